@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The box that particles live in, its periodic directions, its decomposition over ranks (recursive
+ * coordinate bisection by Zoltan), the migration of particles to their owners and the ghost copies
+ * near a rank's border or across a periodic one. */
+#ifndef PARTICLE_DOMAIN_H
+#define PARTICLE_DOMAIN_H
+
+#include <mpi.h>
+#include "particle/store.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* lo, hi in m. A direction that is not periodic only bounds the grid of linked cells: particles
+ * may be outside unless bounded[] asks for an error when one leaves. */
+typedef struct part_box {
+  double lo[3], hi[3];
+  int periodic[3];
+  int bounded[3];
+} part_box;
+
+/* Bring x into a periodic box; image[3] (may be NULL) gets the shift in box lengths taken off. */
+void part_box_wrap(const part_box *box, double x[3], int image[3]);
+/* Shortest difference a - b over periodic images. */
+void part_box_difference(const part_box *box, const double a[3], const double b[3], double d[3]);
+
+typedef struct part_domain part_domain;
+
+/* Collective. Duplicates comm. One part per rank; before the first balance all belongs to rank 0
+ * unless there is one rank. ERR_RANGE: hi <= lo. */
+int part_domain_create(MPI_Comm comm, const part_box *box, part_domain **domain);
+void part_domain_destroy(part_domain *domain);
+MPI_Comm part_domain_comm(const part_domain *domain);
+const part_box *part_domain_box(const part_domain *domain);
+
+/* Collective. New parts of equal weight (weight[i] per own particle, NULL: equal) from the own
+ * particles of every rank. Does not move anything. */
+int part_domain_balance(part_domain *domain, const part_store *store, const double *weight);
+/* Largest number of own particles of a rank over the mean; collective. */
+int part_domain_imbalance(const part_domain *domain, const part_store *store, double *ratio);
+
+/* Collective. Wrap positions into periodic directions and send every own particle to its owner,
+ * with a variable payload per particle (payload_count[i] elements of payload_size bytes; NULL when
+ * there is none) such as contact history. Drops ghosts. ERR_OUTSIDE: a particle is not finite or
+ * outside a bounded direction: the text names id, position. On return *payload_count and *payload
+ * (caller frees) belong to the new own particles. */
+int part_domain_migrate(part_domain *domain, part_store *store, size_t payload_size,
+                        int **payload_count, void **payload);
+
+/* Collective. Ghost copies of all particles within `reach` (m) of the own part, across periodic
+ * borders too (positions shifted), as an exchange that update repeats. A box that is not at least
+ * 2 reach long in a periodic direction is ERR_RANGE (a pair would meet twice). */
+int part_domain_ghosts(part_domain *domain, part_store *store, double reach);
+/* Collective. Refresh the PART_GHOST records of the copies from their originals, shift kept. */
+int part_domain_update_ghosts(part_domain *domain, part_store *store);
+
+/* The decomposition as bytes, for restart: the same cuts give the same ranks bit for bit. save
+ * allocates *bytes (caller frees), per rank. load needs the same number of ranks. */
+int part_domain_save(part_domain *domain, size_t *size, unsigned char **bytes);
+int part_domain_load(part_domain *domain, size_t size, const unsigned char *bytes);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
