@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* libdem: discrete elements. A dem_t holds particles, walls and contact laws, and advances them in
+ * time under gravity, contact and a fluid force F = Su - Sp v that whoever couples puts in.
+ *
+ * SI units. Status returns as in particle/status.h. Calls marked collective are made by all ranks
+ * of the communicator together; the others are local. */
+#ifndef DEM_DEM_H
+#define DEM_DEM_H
+
+#include <mpi.h>
+#include <stdint.h>
+#include "particle/domain.h"
+#include "particle/params.h"
+#include "particle/status.h"
+#include "particle/store.h"
+#include "particle/timers.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- particle quantities: rows in dem/particle_fields.def ----------------------------------- */
+enum dem_record {
+#define DEM_RECORD(name, type, width) DEM_RECORD_##name,
+#define DEM_FIELD(name, key, record, offset, comps, flags, unit, meaning)
+#include "dem/particle_fields.def"
+#undef DEM_RECORD
+#undef DEM_FIELD
+  DEM_RECORD_COUNT
+};
+enum dem_field {
+#define DEM_RECORD(name, type, width)
+#define DEM_FIELD(name, key, record, offset, comps, flags, unit, meaning) DEM_FIELD_##name,
+#include "dem/particle_fields.def"
+#undef DEM_RECORD
+#undef DEM_FIELD
+  DEM_FIELD_COUNT
+};
+extern const part_layout dem_layout;
+
+/* How a particle moves (field KIND). */
+typedef enum {
+  DEM_FREE = 0,  /* by its own forces */
+  DEM_FIXED = 1, /* not at all: its support takes every force */
+  DEM_BLOCK = 2  /* with its block: one translation, no rotation (field BLOCK numbers the block) */
+} dem_kind;
+
+/* ---- parameters: rows in dem/<name>_params.def ---------------------------------------------- */
+typedef struct dem_params {
+  double gravity[3];          /* m/s2 */
+  double ramp_time;           /* s; Markauskas et al. 2017 eq. 3-4; 0: no ramp */
+  double ramp_fluid_density;  /* kg/m3, rho_f of eq. 3; needed with ramp_time > 0 */
+  double time_step_fraction;  /* of the shortest contact time, default 1/50 */
+  double skin_fraction;       /* Verlet skin over the mean radius */
+  double max_overlap;         /* of the smaller radius: ERR_OVERLAP at insertion, reported later */
+  double balance_ratio;       /* repartition when largest/mean particle number exceeds it */
+  int skip;                   /* 1: leave out what the scene does not need (scene plan) */
+} dem_params;
+extern const part_param_table dem_params_table;
+
+/* One material. */
+typedef struct dem_material {
+  char name[PART_PARAM_WORD_LENGTH];
+  double density; /* kg/m3 */
+} dem_material;
+extern const part_param_table dem_material_table;
+
+/* Contact of two materials. */
+typedef struct dem_contact {
+  int law;                  /* row of dem/contact_laws.def */
+  double normal_stiffness;  /* N/m */
+  double tangential_ratio;  /* k_t/k_n, default 2/7 */
+  double restitution;       /* (0, 1]; damping is derived from it */
+  double friction;          /* Coulomb coefficient, >= 0 */
+} dem_contact;
+extern const part_param_table dem_contact_table;
+
+/* Insertion of particles. */
+typedef enum { DEM_INSERT_LATTICE, DEM_INSERT_RANDOM, DEM_INSERT_FILE } dem_insert_method;
+typedef struct dem_insert {
+  int method;          /* lattice | random | file */
+  int kind;            /* free | fixed | block */
+  char material[PART_PARAM_WORD_LENGTH];
+  double diameter;     /* m; lattice and random */
+  double diameter_max; /* m; random: uniform between diameter and this; default: diameter */
+  double origin[3];    /* m; lattice: centre of the first particle; random: lower corner */
+  double spacing[3];   /* m; lattice */
+  double count[3];     /* lattice: numbers per direction, whole */
+  double extent[3];    /* m; random: size of the box (spheres lie fully inside) */
+  double rotation_axis[3]; /* lattice: turned about origin by angle; default none */
+  double rotation_angle;   /* rad */
+  int64_t number;      /* random */
+  int64_t seed;        /* random */
+  double velocity[3];  /* m/s */
+  char file[PART_PARAM_WORD_LENGTH]; /* file: text, one particle a line: x y z d [vx vy vz], # comments */
+} dem_insert;
+extern const part_param_table dem_insert_table;
+
+/* ---- life ----------------------------------------------------------------------------------- */
+typedef struct dem_t dem_t;
+
+/* Collective. Copies params and box, duplicates comm. */
+int dem_create(MPI_Comm comm, const part_box *box, const dem_params *params, dem_t **dem);
+void dem_destroy(dem_t *dem);
+
+/* Materials get numbers 0, 1, ... in the order they are added; names are unique. */
+int dem_add_material(dem_t *dem, const dem_material *material, int *number);
+int dem_find_material(const dem_t *dem, const char *name, int *number); /* error: nearest name */
+/* Contact of a pair of materials (both orders); a pair without one uses that of (-1, -1). */
+int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact);
+
+/* Walls. normal points to the side where particles are. A wall is known by its name. */
+int dem_add_plane(dem_t *dem, const char *name, int material, const double point[3],
+                  const double normal[3]);
+/* Triangles [count][3][3], the same on every rank (walls from mesh patches, STL). */
+int dem_add_triangles(dem_t *dem, const char *name, int material, int count,
+                      const double *vertices);
+
+/* Collective. Insert; ids go on from the largest so far. ERR_OVERLAP: the text names two ids (or a
+ * wall) and the overlap; ERR_OUTSIDE: outside the box. block: number for kind block. */
+int dem_insert_particles(dem_t *dem, const dem_insert *insert, int block, int64_t *inserted);
+
+/* Collective. Once after all of the above: distributes, sorts, lists, works out the plan. */
+int dem_start(dem_t *dem);
+
+/* ---- running -------------------------------------------------------------------------------- */
+/* Collective. Advance by dt (s) in equal substeps no longer than the stable one. The order of own
+ * particles may change (migration, sorting): ask dem_store and its records again. *substeps may be
+ * NULL. ERR_NUMERIC, ERR_OUTSIDE: the text names id, place and time. */
+int dem_advance(dem_t *dem, double dt, int *substeps);
+
+/* The particles. Fluid force of own particle i: fields FLUID_SU (N) and FLUID_SP (kg/s), constant
+ * over dem_advance; field FLUID_IMPULSE (N s) is what the particle received from it, summed over
+ * the substeps of the last dem_advance to round-off: sum m dv = contact + gravity + this. */
+part_store *dem_store(dem_t *dem);
+/* Counts calls that changed the order of own particles, for caches outside. */
+long long dem_generation(const dem_t *dem);
+
+/* Add impulse[3*i] (N s) to own particle i at once: dv = impulse/m (blocks: sum over all members,
+ * collective; fixed: to the support). Counts as fluid impulse in the budget. Collective. */
+int dem_kick(dem_t *dem, const double *impulse);
+
+double dem_time(const dem_t *dem);             /* s, since the start of the simulation */
+void dem_set_time(dem_t *dem, double time);
+double dem_stable_step(const dem_t *dem);      /* s; infinite when nothing can touch */
+
+typedef struct dem_report {
+  int64_t particles, contacts, wall_contacts;
+  double max_overlap;      /* of the smaller radius */
+  double max_speed;        /* m/s */
+  double kinetic_energy;   /* J */
+  double momentum[3];      /* kg m/s, of free and block particles */
+  /* impulses since the start (N s); momentum - initial momentum = gravity + fluid + walls +
+   * contact with fixed particles, to round-off */
+  double gravity_impulse[3], fluid_impulse[3], wall_impulse[3], support_impulse[3];
+  double budget_error;     /* |momentum change - impulses| over the largest of them */
+  long long substeps, rebuilds;
+} dem_report;
+/* Collective. */
+int dem_get_report(dem_t *dem, dem_report *report);
+
+/* Position (m, of the mean of the members, unwrapped) and velocity (m/s) of a block. Collective. */
+int dem_block_state(dem_t *dem, int block, double position[3], double velocity[3]);
+
+/* The scene plan as text lines "what | why | saves". Local. */
+int dem_plan_text(const dem_t *dem, size_t size, char *text);
+part_timers *dem_timers(dem_t *dem);
+
+/* ---- files ---------------------------------------------------------------------------------- */
+/* Collective. Write the particles (VTKHDF, with everything restart needs). The state in memory is
+ * brought into the canonical form a restart would find (sorted, lists rebuilt), so that going on
+ * and restarting are the same computation bit for bit. series: see part_file_commit. */
+int dem_write(dem_t *dem, const char *path, const char *series);
+/* Collective. In place of insertion, before dem_start. */
+int dem_read(dem_t *dem, const char *path);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
