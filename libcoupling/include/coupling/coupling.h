@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* libcoupling: the exchange between particles and the cells of a finite volume mesh. It stores
+ * neither: it works on views, so that it is tested without a flow solver.
+ *
+ *   cells --sample--> particles --substeps--> particles --deposit--> cells
+ *
+ * Particle i has in cell c the weight w_ic = (its volume there) / (its volume in all cells), so
+ * sum_c w_ic = 1. The same weights carry volume, forces and sampled fluid quantities:
+ *   eps_c   = 1 - sum_i w_ic V_i / V_c           void fraction
+ *   q_i     = sum_c w_ic q_c                     sampled quantity
+ *   Q_c     = sum_i w_ic Q_i                     deposited quantity
+ * so sample and deposit are adjoint and every exchange is conservative.
+ *
+ * SI units; rho_f is the fluid density. Status returns as in particle/status.h. */
+#ifndef COUPLING_COUPLING_H
+#define COUPLING_COUPLING_H
+
+#include <mpi.h>
+#include <stdint.h>
+#include "particle/domain.h"
+#include "particle/params.h"
+#include "particle/status.h"
+#include "particle/timers.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* ---- views ---------------------------------------------------------------------------------- */
+/* The cells of this rank, as an OpenFOAM mesh stores them. Faces point from owner to neighbour
+ * (outwards on the boundary); faces internal .. faces-1 are boundary faces of any kind. Not copied:
+ * the arrays must stay until cpl_destroy (or cpl_mesh_changed). */
+typedef struct cpl_mesh {
+  int points, faces, internal, cells;
+  const double *point;       /* [points][3], m */
+  const int *face_start;     /* [faces+1] into face_point */
+  const int *face_point;     /* corner points of each face, in order */
+  const int *owner;          /* [faces] */
+  const int *neighbour;      /* [internal] */
+  const double *face_centre; /* [faces][3], m: apex of the triangle fan of a warped face */
+  const double *cell_centre; /* [cells][3], m */
+  const double *volume;      /* [cells], m3 */
+} cpl_mesh;
+
+/* Own particles of this rank, which need not be where the cells of this rank are. Strides in
+ * doubles (int64 for id, kind). fluid_* are written by cpl_fluid_force. */
+typedef struct cpl_particles {
+  int count;
+  const double *position;     int position_stride;
+  const double *radius;       int radius_stride;
+  const double *velocity;     int velocity_stride;
+  const double *inverse_mass; int inverse_mass_stride;
+  const int64_t *id;          int id_stride;
+  const int64_t *kind;        int kind_stride; /* 0 free, 1 fixed, 2 member of a rigid block */
+  double *fluid_su;           int fluid_su_stride; /* N, 3 components */
+  double *fluid_sp;           int fluid_sp_stride; /* kg/s */
+  const double *fluid_impulse; int fluid_impulse_stride; /* N s received over the last advance */
+} cpl_particles;
+
+/* Fluid quantities of this rank's cells, in and out. NULL where a scene does not need one. */
+typedef struct cpl_cells {
+  double *eps;                  /* [cells] out: void fraction */
+  double *solid_velocity;       /* [cells][3] out: volume-weighted mean particle velocity, m/s */
+  const double *superficial;    /* [cells][3] in: U = eps u, m/s */
+  const double *pressure_gradient; /* [cells][3] in: grad p without the hydrostatic part, Pa/m */
+  const double *stress_divergence; /* [cells][3] in: div tau, Pa/m */
+  double *drag_coefficient;     /* [cells] out: D, kg/(m3 s): drag on the fluid per mixture volume
+                                   is -(D U - G) with U superficial */
+  double *drag_explicit;        /* [cells][3] out: G, N/m3 */
+} cpl_cells;
+
+typedef struct cpl_fluid {
+  double density;    /* kg/m3 */
+  double viscosity;  /* Pa s, dynamic, molecular */
+  double gravity[3]; /* m/s2 */
+} cpl_fluid;
+
+/* ---- parameters ----------------------------------------------------------------------------- */
+typedef enum { CPL_MODEL_A, CPL_MODEL_B } cpl_model; /* Feng and Yu 2004; momentum scheme (2), (9) */
+
+typedef struct cpl_params {
+  int model;             /* A | B */
+  int void_fraction;     /* row of coupling/void_fractions.def: exact | subCell | centre */
+  int64_t sub_cells;     /* N of subCell, default 40: N^3 per cell */
+  double minimum_eps;    /* a cell below it is an error that names cell and entry; default 0.05 */
+  int drag;              /* row of coupling/drag_laws.def */
+  int pressure_gradient; /* 1: force -V grad p (model A only; in B it is part of the drag) */
+  int viscous_stress;    /* 1: force V div tau */
+  int two_way;           /* 0: the fluid does not feel the particles (eps = 1, no source) */
+} cpl_params;
+extern const part_param_table cpl_params_table;
+
+/* Drag law by row: force on one sphere F = beta u_rel (N), u_rel = u - v interstitial (m/s).
+ * beta (kg/s) from |u_rel|, diameter d, eps, rho_f, mu_f. */
+typedef double (*cpl_drag_law)(double slip, double d, double eps, double rho, double mu);
+int cpl_drag_count(void);
+const char *cpl_drag_name(int law);
+cpl_drag_law cpl_drag_function(int law);
+
+/* ---- life ----------------------------------------------------------------------------------- */
+typedef struct cpl_t cpl_t;
+/* Collective. box: periodic directions of the domain (the mesh is cyclic there). */
+int cpl_create(MPI_Comm comm, const cpl_mesh *mesh, const part_box *box, const cpl_params *params,
+               const cpl_fluid *fluid, cpl_t **cpl);
+void cpl_destroy(cpl_t *cpl);
+part_timers *cpl_timers(cpl_t *cpl);
+/* Scene plan lines "what | why | saves". */
+int cpl_plan_text(const cpl_t *cpl, size_t size, char *text);
+
+/* ---- a step --------------------------------------------------------------------------------- */
+/* Collective. Which ranks and cells each particle touches, and its weights there. Needed whenever
+ * particles moved or changed order. ERR_OUTSIDE: a particle has no volume in any cell (the text
+ * names id and position). */
+int cpl_locate(cpl_t *cpl, const cpl_particles *particles);
+/* eps and solid velocity of the cells from the weights. ERR_RANGE: eps below minimum_eps.
+ * volume_error (may be NULL, collective): |sum_c (1 - eps_c) V_c - sum_i V_i| / sum_i V_i. */
+int cpl_void_fraction(cpl_t *cpl, const cpl_particles *particles, cpl_cells *cells,
+                      double *volume_error);
+/* Collective. Sample eps, U, grad p, div tau at the particles (kept inside until the next call). */
+int cpl_sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_cells *cells);
+/* Local. F = Su - Sp v into the particle view: drag, pressure gradient with buoyancy, stress. */
+int cpl_fluid_force(cpl_t *cpl, cpl_particles *particles);
+/* Collective. D and G of the cells for a flow step dt, from the impulses that the particles really
+ * received over their own steps, implicit in the new fluid velocity: a particle that would follow
+ * the fluid within dt takes at most its momentum m du (factor (1 - exp(-Sp dt/m)) m/dt). */
+int cpl_momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells *cells, double dt);
+/* Collective. After the flow step: drag_reaction[cells][3] and volume_reaction[cells][3] (N s) are
+ * what the fluid really gave up in each cell as drag, and through pressure and stress. The first is
+ * shared among the particles in proportion to their part of D, the second to their volume; kick[
+ * count][3] (N s) gets what each is still owed beyond fluid_impulse. Sum over particles of
+ * fluid_impulse + kick = sum over cells of reactions + buoyancy, to round-off. A cell without
+ * particles must have no reaction (ERR_ARGUMENT). */
+int cpl_reaction(cpl_t *cpl, const cpl_particles *particles, const double *drag_reaction,
+                 const double *volume_reaction, double dt, double *kick);
+
+typedef struct cpl_budget {
+  double fluid[3];     /* N s given up by the fluid in the last step (reactions + buoyancy) */
+  double particles[3]; /* N s received by the particles (impulses + kicks) */
+  double error;        /* |fluid - particles| / largest sum of magnitudes */
+} cpl_budget;
+int cpl_get_budget(const cpl_t *cpl, cpl_budget *budget); /* after cpl_reaction */
+
+/* ---- primitives, also for other forces and for tests ---------------------------------------- */
+/* Collective. value[count][n] per particle -> added to cell[cells][n]. */
+int cpl_deposit(cpl_t *cpl, int n, const double *value, double *cell);
+/* Collective. cell[cells][n] -> value[count][n]. */
+int cpl_sample(cpl_t *cpl, int n, const double *cell, double *value);
+/* Sampled values of the last cpl_sample_fluid, [count], [count][3]. */
+const double *cpl_sampled_eps(const cpl_t *cpl);
+const double *cpl_sampled_superficial(const cpl_t *cpl);
+
+#ifdef __cplusplus
+}
+#endif
+#endif
