@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "mixtureFields.H"
+
+#include "fixedValueFvPatchFields.H"
+#include "polyPatch.H"
+#include "zeroGradientFvPatchFields.H"
+
+namespace Foam
+{
+
+wordList extrapolatedPatchTypes(const fvMesh& mesh)
+{
+  wordList types(mesh.boundary().size(), zeroGradientFvPatchScalarField::typeName);
+  forAll(types, patchi)
+  {
+    const word& type = mesh.boundary()[patchi].type();
+    if (polyPatch::constraintType(type)) types[patchi] = type;
+  }
+  return types;
+}
+
+tmp<volVectorField> mixtureField
+(
+  const volVectorField& U,
+  const volScalarField& eps,
+  const volVectorField& vp
+)
+{
+  wordList types(U.boundaryField().types());
+  forAll(types, patchi)
+  {
+    const fvPatchVectorField& patch = U.boundaryField()[patchi];
+    if (patch.fixesValue() && !patch.coupled() && !polyPatch::constraintType(patch.patch().type()))
+    {
+      types[patchi] = fixedValueFvPatchVectorField::typeName;
+    }
+  }
+  tmp<volVectorField> tj
+  (
+    new volVectorField
+    (
+      IOobject("j", U.time().timeName(), U.mesh()), U.mesh(), dimensionedVector(dimVelocity, Zero),
+      types
+    )
+  );
+  volVectorField& j = tj.ref();
+  j.primitiveFieldRef() =
+    eps.primitiveField()*U.primitiveField() + (1 - eps.primitiveField())*vp.primitiveField();
+  forAll(types, patchi)
+  {
+    if (types[patchi] == fixedValueFvPatchVectorField::typeName)
+    {
+      const scalarField& e = eps.boundaryField()[patchi];
+      j.boundaryFieldRef()[patchi] ==
+        e*U.boundaryField()[patchi] + (1 - e)*vp.boundaryField()[patchi];
+    }
+  }
+  j.correctBoundaryConditions();
+  return tj;
+}
+
+} // namespace Foam

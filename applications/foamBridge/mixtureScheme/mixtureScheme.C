@@ -1,0 +1,392 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "mixtureScheme.H"
+
+#include "convectionScheme.H"
+#include "fvc.H"
+#include "fvm.H"
+#include "surfaceInterpolationScheme.H"
+#include "zeroGradientFvPatchFields.H"
+
+namespace Foam
+{
+
+static surfaceScalarField faceScalar(const fvMesh& mesh, const word& name, const dimensionSet& dims)
+{
+  return surfaceScalarField
+  (
+    IOobject(name, mesh.time().timeName(), mesh),
+    mesh,
+    dimensionedScalar(dims, Zero)
+  );
+}
+
+static surfaceVectorField faceVector(const fvMesh& mesh, const word& name, const dimensionSet& dims)
+{
+  return surfaceVectorField
+  (
+    IOobject(name, mesh.time().timeName(), mesh),
+    mesh,
+    dimensionedVector(dims, Zero)
+  );
+}
+
+/* Resistances in series: between two cell centres, what happens in a cell counts with the part of
+ * the path that lies in it, which is one minus the weight of linear interpolation. */
+template<class Type>
+tmp<GeometricField<Type, fvsPatchField, surfaceMesh>>
+mixtureScheme::path(const GeometricField<Type, fvPatchField, volMesh>& field) const
+{
+  return surfaceInterpolationScheme<Type>::interpolate
+  (
+    field,
+    tmp<surfaceScalarField>(new surfaceScalarField("pathWeights", 1 - mesh_.weights()))
+  );
+}
+
+mixtureScheme::mixtureScheme
+(
+  const fvMesh& mesh,
+  modelType model,
+  const volScalarField& eps,
+  const volVectorField& vp,
+  const volVectorField& ap,
+  const volScalarField& D,
+  const volVectorField& G,
+  const dimensionedVector& body
+)
+:
+  mesh_(mesh),
+  model_(model),
+  eps_(eps),
+  vp_(vp),
+  ap_(ap),
+  D_(D),
+  G_(G),
+  body_(body),
+  rf_(faceScalar(mesh, "rEpsf", dimless)),
+  pressureFactor_(faceScalar(mesh, "pressureFactor", dimless)),
+  Kf_(faceScalar(mesh, "Kf", dimless/dimTime)),
+  dragExplicit_(faceScalar(mesh, "dragExplicit", dimVolume/sqr(dimTime))),
+  inertia_(faceScalar(mesh, "solidInertia", dimVolume/sqr(dimTime))),
+  vpf_(faceVector(mesh, "vpf", dimVelocity)),
+  m_(faceVector(mesh, "porosityNormal", dimless)),
+  jump_(faceScalar(mesh, "BernoulliJump", dimLength)),
+  snGradREps_(faceScalar(mesh, "snGradREps", dimless/dimLength)),
+  solids_(false),
+  uniform_(true)
+{}
+
+void mixtureScheme::update()
+{
+  const scalar minEps = gMin(eps_);
+  uniform_ = gMax(eps_) - minEps < SMALL;
+  solids_ = minEps < 1 - SMALL;
+
+  const volScalarField rEps("rEps", 1/eps_);
+  const surfaceScalarField& magSf = mesh_.magSf();
+
+  rf_ = path(rEps);
+  snGradREps_ = fvc::snGrad(rEps);
+
+  const volVectorField solids("solidsVelocity", (1 - eps_)*vp_);
+  const surfaceScalarField solidsf("solidsf", fvc::interpolate(1 - eps_));
+  vpf_ = fvc::interpolate(solids)/max(solidsf, dimensionedScalar("small", dimless, VSMALL));
+
+  if (model_ == modelA)
+  {
+    pressureFactor_ = 1/rf_;
+    Kf_ = path(volScalarField(D_*rEps))/rf_;
+    dragExplicit_ = (path(volVectorField((D_*solids + G_)*rEps)) & mesh_.Sf())/rf_;
+    inertia_ = (path(volVectorField((1 - eps_)*ap_*rEps)) & mesh_.Sf())/rf_;
+    jump_ = fvc::snGrad(0.5*sqr(rEps))*magSf/rf_;
+  }
+  else
+  {
+    pressureFactor_ = dimensionedScalar("one", dimless, 1);
+    Kf_ = path(D_);
+    dragExplicit_ = path(volVectorField(D_*solids + G_)) & mesh_.Sf();
+    inertia_ = path(volVectorField((1 - eps_)*ap_)) & mesh_.Sf();
+    jump_ = snGradREps_*magSf;
+  }
+
+  if (uniform_)
+  {
+    m_ = dimensionedVector(dimless, Zero);
+    return;
+  }
+  m_ = fvc::interpolate(fvc::grad(rEps, "grad(rEps)"))/dimensionedScalar("unit", dimless/dimLength, 1);
+  m_ /= mag(m_) + dimensionedScalar("small", dimless, ROOTVSMALL);
+}
+
+tmp<volVectorField> mixtureScheme::interstitial(const volVectorField& j) const
+{
+  return (j - (1 - eps_)*vp_)/eps_;
+}
+
+void mixtureScheme::mixtureBoundary(const volVectorField& U, volVectorField& j) const
+{
+  volVectorField::Boundary& jb = j.boundaryFieldRef();
+  forAll(jb, patchi)
+  {
+    if (jb[patchi].fixesValue() && !jb[patchi].coupled())
+    {
+      const scalarField& e = eps_.boundaryField()[patchi];
+      jb[patchi] == e*U.boundaryField()[patchi] + (1 - e)*vp_.boundaryField()[patchi];
+    }
+  }
+}
+
+tmp<surfaceScalarField> mixtureScheme::solidFlux(const volScalarField& dEpsDt) const
+{
+  tmp<surfaceScalarField> tflux
+  (
+    new surfaceScalarField("phiSolid", fvc::interpolate((1 - eps_)*vp_) & mesh_.Sf())
+  );
+  return tflux;
+}
+
+tmp<surfaceScalarField> mixtureScheme::convectionFlux(const surfaceScalarField& phi) const
+{
+  const surfaceScalarField phiP(vpf_ & mesh_.Sf());
+  return tmp<surfaceScalarField>(new surfaceScalarField("phiC", rf_*(phi - phiP) + phiP));
+}
+
+tmp<volVectorField> mixtureScheme::tangential
+(
+  const surfaceScalarField& phi,
+  const surfaceScalarField& phiC,
+  const volVectorField& j,
+  const volVectorField& u,
+  const word& scheme
+) const
+{
+  tmp<volVectorField> tT
+  (
+    new volVectorField
+    (
+      IOobject("tangential", mesh_.time().timeName(), mesh_),
+      mesh_,
+      dimensionedVector(dimAcceleration, Zero)
+    )
+  );
+  if (uniform_) return tT;
+
+  tmp<fv::convectionScheme<vector>> tscheme
+  (
+    fv::convectionScheme<vector>::New(mesh_, phiC, mesh_.divScheme(scheme))
+  );
+  const surfaceVectorField uf(tscheme().interpolate(phiC, u));
+  const surfaceVectorField jf(tscheme().interpolate(phiC, j));
+  const surfaceScalarField phiW(phi - (vpf_ & mesh_.Sf()));
+
+  vectorField& T = tT.ref().primitiveFieldRef();
+  const labelUList& own = mesh_.owner();
+  const labelUList& nei = mesh_.neighbour();
+  auto part = [](const vector& m, scalar flux, scalar r, const vector& du, const vector& dj)
+  {
+    const vector q = du - r*dj;
+    return vector(flux*(q - m*(m & q)));
+  };
+  forAll(nei, facei)
+  {
+    const vector& m = m_[facei];
+    const label P = own[facei], N = nei[facei];
+    T[P] += part(m, phiW[facei], rf_[facei], uf[facei] - u[P], jf[facei] - j[P]);
+    T[N] -= part(m, phiW[facei], rf_[facei], uf[facei] - u[N], jf[facei] - j[N]);
+  }
+  forAll(uf.boundaryField(), patchi)
+  {
+    const labelUList& cells = mesh_.boundary()[patchi].faceCells();
+    forAll(cells, i)
+    {
+      const label P = cells[i];
+      T[P] += part
+      (
+        m_.boundaryField()[patchi][i], phiW.boundaryField()[patchi][i],
+        rf_.boundaryField()[patchi][i],
+        uf.boundaryField()[patchi][i] - u[P], jf.boundaryField()[patchi][i] - j[P]
+      );
+    }
+  }
+  T /= mesh_.V();
+  return tT;
+}
+
+/* laplacian(eps_f nu, u) with u = j/eps + known: the matrix of u, its columns divided by eps. What
+ * is known enters as the difference of the two forms at the present j. */
+tmp<fvVectorMatrix> mixtureScheme::viscous
+(
+  const volScalarField& nu,
+  const volVectorField& j,
+  volVectorField& u
+) const
+{
+  const surfaceScalarField epsNu("epsNu", fvc::interpolate(nu)/rf_);
+  fvVectorMatrix uMatrix(fvm::laplacian(epsNu, u, "laplacian(nuEff,U)"));
+
+  const scalarField rEps(1/eps_.primitiveField());
+  tmp<fvVectorMatrix> tM(new fvVectorMatrix(j, uMatrix.dimensions()));
+  fvVectorMatrix& M = tM.ref();
+  const labelUList& own = mesh_.owner();
+  const labelUList& nei = mesh_.neighbour();
+  const scalarField& upper = uMatrix.upper();
+  const scalarField& lower = uMatrix.lower();
+  scalarField& newUpper = M.upper();
+  scalarField& newLower = M.lower();
+  forAll(nei, facei)
+  {
+    newUpper[facei] = upper[facei]*rEps[nei[facei]];
+    newLower[facei] = lower[facei]*rEps[own[facei]];
+  }
+  M.diag() = uMatrix.diag()*rEps;
+  M.source() = uMatrix.source();
+  forAll(u.boundaryField(), patchi)
+  {
+    const fvPatch& patch = mesh_.boundary()[patchi];
+    const scalarField inner(rEps, patch.faceCells());
+    M.internalCoeffs()[patchi] = uMatrix.internalCoeffs()[patchi]*inner;
+    M.boundaryCoeffs()[patchi] = uMatrix.boundaryCoeffs()[patchi];
+    if (u.boundaryField()[patchi].coupled())
+    {
+      M.boundaryCoeffs()[patchi] /= eps_.boundaryField()[patchi].patchNeighbourField();
+    }
+  }
+  if (!uniform_)
+  {
+    // The jump of the normal velocity is not shear (M.7)
+    const surfaceVectorField W(fvc::interpolate(j) - vpf_);
+    M -= fvc::div(epsNu*m_*(m_ & W)*snGradREps_*mesh_.magSf());
+  }
+  if (solids_ && gMax(magSqr(vp_.primitiveField())()) > 0)
+  {
+    const volVectorField full("full", uMatrix & u);
+    const volVectorField scaled("scaled", M & j);
+    M += full - scaled;
+  }
+  return tM;
+}
+
+tmp<surfaceScalarField> mixtureScheme::faceForce(const volVectorField& j) const
+{
+  const surfaceVectorField W(fvc::interpolate(j) - vpf_);
+  return tmp<surfaceScalarField>
+  (
+    new surfaceScalarField
+    (
+      "faceForce",
+      dragExplicit_ + inertia_ + pressureFactor_*(body_ & mesh_.Sf()) - sqr(W & m_)*jump_
+    )
+  );
+}
+
+tmp<volVectorField> mixtureScheme::reconstruct(const surfaceScalarField& flux) const
+{
+  tmp<volVectorField> tR
+  (
+    new volVectorField
+    (
+      IOobject("reconstructed", mesh_.time().timeName(), mesh_),
+      mesh_,
+      dimensionedVector(flux.dimensions()/dimArea, Zero),
+      zeroGradientFvPatchVectorField::typeName
+    )
+  );
+  vectorField& R = tR.ref().primitiveFieldRef();
+  const vectorField& C = mesh_.cellCentres();
+  const vectorField& Cf = mesh_.faceCentres();
+  const labelUList& own = mesh_.owner();
+  const labelUList& nei = mesh_.neighbour();
+  forAll(nei, facei)
+  {
+    R[own[facei]] += flux[facei]*(Cf[facei] - C[own[facei]]);
+    R[nei[facei]] -= flux[facei]*(Cf[facei] - C[nei[facei]]);
+  }
+  forAll(flux.boundaryField(), patchi)
+  {
+    const fvPatch& patch = mesh_.boundary()[patchi];
+    const labelUList& cells = patch.faceCells();
+    const fvsPatchScalarField& f = flux.boundaryField()[patchi];
+    forAll(f, i) // empty patches have no faces here
+    {
+      R[cells[i]] += f[i]*(patch.Cf()[i] - C[cells[i]]);
+    }
+  }
+  R /= mesh_.V();
+  tR.ref().correctBoundaryConditions();
+  return tR;
+}
+
+/* Calls work(cell, force*distance, share) for each side of each face: the part of a face force's
+ * momentum, f d, that belongs to what is in that cell. In a boundary half cell it is all of it. */
+template<class Work>
+void mixtureScheme::eachShare(const surfaceScalarField& force, const volScalarField& q, Work work)
+  const
+{
+  const surfaceScalarField::Internal wN(mesh_.weights().internalField());
+  const vectorField& C = mesh_.cellCentres();
+  const labelUList& own = mesh_.owner();
+  const labelUList& nei = mesh_.neighbour();
+  auto share = [](scalar mine, scalar other)
+  {
+    return mine + other > VSMALL ? mine/(mine + other) : 0;
+  };
+  forAll(nei, facei)
+  {
+    const label P = own[facei], N = nei[facei];
+    const vector fd = force[facei]*(C[N] - C[P]);
+    const scalar qP = (1 - wN[facei])*q[P], qN = wN[facei]*q[N];
+    work(P, share(qP, qN)*fd);
+    work(N, share(qN, qP)*fd);
+  }
+  forAll(force.boundaryField(), patchi)
+  {
+    const fvPatch& patch = mesh_.boundary()[patchi];
+    const fvsPatchScalarField& f = force.boundaryField()[patchi];
+    const labelUList& cells = patch.faceCells();
+    if (patch.coupled())
+    {
+      const scalarField qNei(q.boundaryField()[patchi].patchNeighbourField());
+      const vectorField d(patch.delta());
+      const scalarField& w = patch.weights();
+      forAll(f, i)
+      {
+        work(cells[i], share((1 - w[i])*q[cells[i]], w[i]*qNei[i])*f[i]*d[i]);
+      }
+    }
+    else
+    {
+      forAll(f, i) work(cells[i], f[i]*(patch.Cf()[i] - C[cells[i]]));
+    }
+  }
+}
+
+void mixtureScheme::reaction
+(
+  const surfaceScalarField& phi,
+  const surfaceScalarField& pressureForce,
+  const volVectorField& damped,
+  vectorField& drag,
+  vectorField& volume
+) const
+{
+  const volScalarField rEps("rEps", 1/eps_);
+  const surfaceScalarField dragForce(dragExplicit_ - Kf_*phi);
+  drag = damped.primitiveField()*mesh_.V();
+  eachShare
+  (
+    dragForce, model_ == modelA ? volScalarField(D_*rEps) : D_,
+    [&](label cell, const vector& f) { drag[cell] -= f; }
+  );
+  volume = Zero;
+  if (model_ == modelA)
+  {
+    eachShare
+    (
+      surfaceScalarField((1 - pressureFactor_)*pressureForce),
+      volScalarField((1 - eps_)*rEps),
+      [&](label cell, const vector& f) { volume[cell] += f; }
+    );
+  }
+}
+
+} // namespace Foam
