@@ -316,50 +316,11 @@ tmp<volVectorField> mixtureScheme::reconstruct(const surfaceScalarField& flux) c
   return tR;
 }
 
-/* Calls work(cell, force*distance, share) for each side of each face: the part of a face force's
- * momentum, f d, that belongs to what is in that cell. In a boundary half cell it is all of it. */
-template<class Work>
-void mixtureScheme::eachShare(const surfaceScalarField& force, const volScalarField& q, Work work)
-  const
-{
-  const surfaceScalarField::Internal wN(mesh_.weights().internalField());
-  const vectorField& C = mesh_.cellCentres();
-  const labelUList& own = mesh_.owner();
-  const labelUList& nei = mesh_.neighbour();
-  auto share = [](scalar mine, scalar other)
-  {
-    return mine + other > VSMALL ? mine/(mine + other) : 0;
-  };
-  forAll(nei, facei)
-  {
-    const label P = own[facei], N = nei[facei];
-    const vector fd = force[facei]*(C[N] - C[P]);
-    const scalar qP = (1 - wN[facei])*q[P], qN = wN[facei]*q[N];
-    work(P, share(qP, qN)*fd);
-    work(N, share(qN, qP)*fd);
-  }
-  forAll(force.boundaryField(), patchi)
-  {
-    const fvPatch& patch = mesh_.boundary()[patchi];
-    const fvsPatchScalarField& f = force.boundaryField()[patchi];
-    const labelUList& cells = patch.faceCells();
-    if (patch.coupled())
-    {
-      const scalarField qNei(q.boundaryField()[patchi].patchNeighbourField());
-      const vectorField d(patch.delta());
-      const scalarField& w = patch.weights();
-      forAll(f, i)
-      {
-        work(cells[i], share((1 - w[i])*q[cells[i]], w[i]*qNei[i])*f[i]*d[i]);
-      }
-    }
-    else
-    {
-      forAll(f, i) work(cells[i], f[i]*(patch.Cf()[i] - C[cells[i]]));
-    }
-  }
-}
-
+/* What the particles get, face by face. The fluid lacks, of the momentum f d of a face, the drag it
+ * gave and (model A) the pressure on the solids, (1 - eps_f) P_f. Each cell's particles get the drag
+ * of their own D and G at the face flux over their part of d; what remains is pressure on solids,
+ * shared as (1 - eps)/eps. So the sum is exact for each face, and in a uniform flow each cell gets
+ * the drag that its particles were told: nothing is left to correct in a steady state. */
 void mixtureScheme::reaction
 (
   const surfaceScalarField& phi,
@@ -369,23 +330,72 @@ void mixtureScheme::reaction
   vectorField& volume
 ) const
 {
-  const volScalarField rEps("rEps", 1/eps_);
-  const surfaceScalarField dragForce(dragExplicit_ - Kf_*phi);
-  drag = damped.primitiveField()*mesh_.V();
-  eachShare
+  const surfaceScalarField lacking
   (
-    dragForce, model_ == modelA ? volScalarField(D_*rEps) : D_,
-    [&](label cell, const vector& f) { drag[cell] -= f; }
+    (1 - pressureFactor_)*pressureForce - (dragExplicit_ - Kf_*phi)
   );
+  const volVectorField known(D_*(1 - eps_)*vp_ + G_);
+  const volScalarField ratio((1 - eps_)/eps_);
+  const vectorField& C = mesh_.cellCentres();
+  const vectorField& Cf = mesh_.faceCentres();
+  const vectorField& Sf = mesh_.faceAreas();
+  const labelUList& own = mesh_.owner();
+  const labelUList& nei = mesh_.neighbour();
+
+  drag = damped.primitiveField()*mesh_.V();
+  volume.setSize(drag.size());
   volume = Zero;
-  if (model_ == modelA)
+  auto share = [](scalar mine, scalar other)
   {
-    eachShare
-    (
-      surfaceScalarField((1 - pressureFactor_)*pressureForce),
-      volScalarField((1 - eps_)*rEps),
-      [&](label cell, const vector& f) { volume[cell] += f; }
-    );
+    return mine + other > VSMALL ? mine/(mine + other) : scalar(0);
+  };
+  const surfaceScalarField& w = mesh_.weights();
+  forAll(nei, facei)
+  {
+    const label P = own[facei], N = nei[facei];
+    const vector dP = Cf[facei] - C[P], dN = C[N] - Cf[facei];
+    const vector dragP = (D_[P]*phi[facei] - (known[P] & Sf[facei]))*dP;
+    const vector dragN = (D_[N]*phi[facei] - (known[N] & Sf[facei]))*dN;
+    const vector rest = lacking[facei]*(dP + dN) - dragP - dragN;
+    const scalar sP = share((1 - w[facei])*ratio[P], w[facei]*ratio[N]);
+    drag[P] += dragP;
+    drag[N] += dragN;
+    volume[P] += sP*rest;
+    volume[N] += (1 - sP)*rest;
+  }
+  forAll(lacking.boundaryField(), patchi)
+  {
+    const fvPatch& patch = mesh_.boundary()[patchi];
+    const fvsPatchScalarField& f = lacking.boundaryField()[patchi];
+    const fvsPatchScalarField& phib = phi.boundaryField()[patchi];
+    const vectorField Sb(patch.Sf());
+    const labelUList& cells = patch.faceCells();
+    if (!patch.coupled())
+    {
+      forAll(f, i)
+      {
+        const label P = cells[i];
+        const vector dP = patch.Cf()[i] - C[P];
+        const vector dragP = (D_[P]*phib[i] - (known[P] & Sb[i]))*dP;
+        drag[P] += dragP;
+        volume[P] += f[i]*dP - dragP;
+      }
+      continue;
+    }
+    const scalarField DN(D_.boundaryField()[patchi].patchNeighbourField());
+    const scalarField ratioN(ratio.boundaryField()[patchi].patchNeighbourField());
+    const vectorField knownN(known.boundaryField()[patchi].patchNeighbourField());
+    const vectorField d(patch.delta());
+    const scalarField& wb = patch.weights();
+    forAll(f, i)
+    {
+      const label P = cells[i];
+      const vector dP = patch.Cf()[i] - C[P], dN = d[i] - dP;
+      const vector dragP = (D_[P]*phib[i] - (known[P] & Sb[i]))*dP;
+      const vector dragN = (DN[i]*phib[i] - (knownN[i] & Sb[i]))*dN;
+      drag[P] += dragP;
+      volume[P] += share((1 - wb[i])*ratio[P], wb[i]*ratioN[i])*(f[i]*d[i] - dragP - dragN);
+    }
   }
 }
 
