@@ -109,9 +109,10 @@ static int bisect(part_domain *domain, objects *o, int weighted) {
   struct Zoltan_Struct *zz = Zoltan_Create(domain->comm);
   int status = zz != NULL ? set_up(zz, o, weighted) : part_fail(PART_ERR_MEMORY, "no Zoltan");
   status = part_agree(domain->comm, status);
-  if (status == PART_OK && Zoltan_LB_Partition(zz, &changes, &gids, &lids, &imports, &gid[0],
-                                               &lid[0], &ranks[0], &parts[0], &exports, &gid[1],
-                                               &lid[1], &ranks[1], &parts[1]) >= ZOLTAN_FATAL)
+  if (status == PART_OK &&
+      Zoltan_LB_Partition(zz, &changes, &gids, &lids, &imports, &gid[0], &lid[0], &ranks[0],
+                          &parts[0], &exports, &gid[1], &lid[1], &ranks[1],
+                          &parts[1]) < 0) /* warnings are positive */
     status = part_fail(PART_ERR_MPI, "Zoltan could not bisect");
   if (status == PART_OK)
     status = take_cuts(domain, zz);
