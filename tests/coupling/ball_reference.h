@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Volume of a ball in a cell, computed in other ways than libcoupling, slowly and in long double.
+ * Cells are bounded by fans of triangles about the face centres. Volumes are in radii cubed. */
+#ifndef TEST_BALL_REFERENCE_H
+#define TEST_BALL_REFERENCE_H
+
+#include "coupling/coupling.h"
+
+/* V = sum over triangles of h/3 int min(1, |x|^-3) dA, in polar coordinates about the foot of the
+ * normal, edge by edge: one primitive inside the circle, another outside. */
+long double ball_by_edges(const cpl_mesh *mesh, int cell, const double centre[3], double radius);
+
+/* V = int A(z) dz, A the area of the disc in the slice of the cell, by tanh-sinh quadrature between
+ * all heights where A is not smooth. Shares no formula with the others. About 10 ms. */
+long double ball_by_slices(const cpl_mesh *mesh, int cell, const double centre[3], double radius);
+
+#endif
