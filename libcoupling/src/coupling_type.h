@@ -1,0 +1,77 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What cpl_t keeps between calls, for the files that implement coupling.h. */
+#ifndef COUPLING_TYPE_H
+#define COUPLING_TYPE_H
+
+#include "coupling/coupling.h"
+#include "memory.h"
+#include "overlap.h"
+#include "weights.h"
+
+enum cpl_stage { CPL_LOCATE, CPL_VOID, CPL_SAMPLE, CPL_FORCE, CPL_SOURCE, CPL_REACT, CPL_STAGES };
+
+/* Of one particle, from cpl_fluid_force; a row of doubles, so that it can follow its particle. */
+enum cpl_force_state {
+  CPL_FORCE_SP = 0,       /* beta, kg/s */
+  CPL_FORCE_EPS = 1,      /* eps at the particle */
+  CPL_FORCE_U = 2,        /* [3] superficial velocity, m/s */
+  CPL_FORCE_CONSTANT = 5, /* [3] part of Su that is not drag, N */
+  CPL_FORCE_WIDTH = 8
+};
+
+struct cpl_t {
+  MPI_Comm comm;
+  int size;
+  cpl_mesh mesh;
+  cpl_params params;
+  cpl_fluid fluid;
+  cpl_search *search;
+  cpl_weights *weights;
+  part_timers *timers;
+  int stage[CPL_STAGES];
+
+  /* as located: own particles in that order */
+  int count;
+  long long stamp; /* number of the weights; 0: none */
+  CPL_ARRAY(int64_t) id;
+  CPL_ARRAY(double) sphere; /* [count][4] */
+  CPL_ARRAY(double) volume; /* [count] of the spheres */
+
+  /* what was made with which weights */
+  long long solid_stamp, sample_stamp, source_stamp;
+  CPL_ARRAY(double) solid;       /* [cells] deposited sphere volume, m3 */
+  CPL_ARRAY(double) share;       /* [cells] sum_i w_ic b_i = D V_c, kg/s */
+  CPL_ARRAY(double) implicit;    /* [count] b_i, kg/s */
+  CPL_ARRAY(double) eps;         /* [count] sampled */
+  CPL_ARRAY(double) superficial; /* [count][3] sampled */
+  CPL_ARRAY(double) constant;    /* [count][3] grad p and div tau forces, N */
+
+  /* of the last cpl_fluid_force, in the order of then */
+  int force_count; /* -1: none yet */
+  CPL_ARRAY(int64_t) force_id;
+  CPL_ARRAY(double) force; /* [force_count][CPL_FORCE_WIDTH] */
+
+  /* work space */
+  CPL_ARRAY(double) cell_work;
+  CPL_ARRAY(double) particle_work;
+  CPL_ARRAY(double) particle_work2;
+  CPL_ARRAY(int64_t) id_work;
+
+  long long locates, reused;
+  cpl_budget budget;
+  int has_budget;
+};
+
+/* The largest status of all ranks; nothing with one rank. */
+int cpl_agree(const cpl_t *cpl, int status);
+/* Local. ERR_STATE unless the particles are those of the last cpl_locate, in that order. */
+int cpl_check_order(const cpl_t *cpl, const cpl_particles *particles, const char *caller);
+
+double cpl_sphere_volume(double radius);
+
+/* Address of component 0 of particle i in a view. */
+static inline const double *cpl_at(const double *base, int stride, int i) {
+  return base + (size_t)i * (size_t)stride;
+}
+
+#endif

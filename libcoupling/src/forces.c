@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Fluid quantities at the particles, and the force on them:
+ *
+ *   F = Su - Sp v = beta (u - v) - rho_f V g [- V grad p] [+ V div tau],   u = U/eps
+ *
+ * beta from the drag law; model B: beta/eps, which contains the force of the pressure gradient that
+ * drag itself causes (Markauskas et al. 2017, eq. 23; Feng and Yu 2004), so that both models have
+ * the same steady states. grad p without its hydrostatic part: that is -rho_f V g.
+ *
+ * One-way coupling (Markauskas et al., section 6): the flow has eps = 1, so its velocity is the
+ * interstitial one, while the drag law takes the void fraction that the particles would leave. */
+#include <math.h>
+#include <string.h>
+#include "coupling_type.h"
+#include "drag/laws.h"
+
+static int uses_pressure(const cpl_t *cpl) {
+  return cpl->params.model == CPL_MODEL_A && cpl->params.pressure_gradient;
+}
+
+/* ---- sample --------------------------------------------------------------------------------- */
+static int check_cells(const cpl_t *cpl, const cpl_cells *cells) {
+  if (!cells->eps || !cells->superficial)
+    return part_fail(PART_ERR_ARGUMENT, "cpl_sample_fluid: needs eps and superficial of the cells");
+  if (uses_pressure(cpl) && !cells->pressure_gradient)
+    return part_fail(PART_ERR_ARGUMENT,
+                     "cpl_sample_fluid: pressureGradient is on, but pressure_gradient is NULL");
+  if (cpl->params.viscous_stress && !cells->stress_divergence)
+    return part_fail(PART_ERR_ARGUMENT,
+                     "cpl_sample_fluid: viscousStress is on, but stress_divergence is NULL");
+  return PART_OK;
+}
+
+/* One row per cell: eps, U, then -grad p and div tau where used. */
+static void gather_cells(cpl_t *cpl, const cpl_cells *cells, size_t n) {
+  const int pressure = uses_pressure(cpl), stress = cpl->params.viscous_stress;
+  for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
+    double *row = cpl->cell_work.data + c * n;
+    *row++ = cells->eps[c];
+    for (size_t d = 0; d < 3; d++)
+      *row++ = cells->superficial[3 * c + d];
+    for (size_t d = 0; pressure && d < 3; d++)
+      *row++ = -cells->pressure_gradient[3 * c + d];
+    for (size_t d = 0; stress && d < 3; d++)
+      *row++ = cells->stress_divergence[3 * c + d];
+  }
+}
+
+static void scatter_particles(cpl_t *cpl, size_t n) {
+  for (size_t i = 0; i < (size_t)cpl->count; i++) {
+    const double *row = cpl->particle_work.data + i * n;
+    cpl->eps.data[i] = row[0];
+    memcpy(cpl->superficial.data + 3 * i, row + 1, 3 * sizeof *row);
+    double *constant = cpl->constant.data + 3 * i;
+    for (size_t d = 0; d < 3; d++) {
+      constant[d] = 0.0;
+      for (size_t k = 4 + d; k < n; k += 3)
+        constant[d] += row[k];
+      constant[d] *= cpl->volume.data[i];
+    }
+  }
+}
+
+static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_cells *cells) {
+  const int n = 4 + 3 * (uses_pressure(cpl) != 0) + 3 * (cpl->params.viscous_stress != 0);
+  const size_t count = (size_t)particles->count;
+  int status = cpl_check_order(cpl, particles, "cpl_sample_fluid");
+  if (status == PART_OK)
+    status = check_cells(cpl, cells);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->cell_work, (size_t)cpl->mesh.cells * (size_t)n);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->particle_work, count * (size_t)n);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->eps, count);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->superficial, 3 * count);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->constant, 3 * count);
+  PART_TRY(cpl_agree(cpl, status));
+  gather_cells(cpl, cells, (size_t)n);
+  PART_TRY(cpl_weights_sample(cpl->weights, n, cpl->cell_work.data, cpl->particle_work.data));
+  scatter_particles(cpl, (size_t)n);
+  cpl->sample_stamp = cpl->stamp;
+  return PART_OK;
+}
+
+int cpl_sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_cells *cells) {
+  part_timers_start(cpl->timers, cpl->stage[CPL_SAMPLE]);
+  const int status = sample_fluid(cpl, particles, cells);
+  part_timers_stop(cpl->timers, cpl->stage[CPL_SAMPLE]);
+  return status;
+}
+
+const double *cpl_sampled_eps(const cpl_t *cpl) {
+  return cpl->eps.data;
+}
+const double *cpl_sampled_superficial(const cpl_t *cpl) {
+  return cpl->superficial.data;
+}
+
+/* ---- force ---------------------------------------------------------------------------------- */
+static int numeric(const cpl_t *cpl, int i, const char *what, double value) {
+  const double *x = cpl->sphere.data + 4 * (size_t)i;
+  return part_fail(PART_ERR_NUMERIC, "coupling: %s is %g at particle %lld at (%g %g %g) m", what,
+                   value, (long long)cpl->id.data[i], x[0], x[1], x[2]);
+}
+
+/* Not finite anywhere, or no room for fluid: name the quantity. */
+static int check_sampled(const cpl_t *cpl, int i, const double *velocity) {
+  const double *u = cpl->superficial.data + 3 * (size_t)i;
+  const double *constant = cpl->constant.data + 3 * (size_t)i;
+  if (!isfinite(cpl->eps.data[i]) || cpl->eps.data[i] <= 0.0)
+    return numeric(cpl, i, "the void fraction", cpl->eps.data[i]);
+  for (int d = 0; d < 3; d++) {
+    if (!isfinite(u[d]))
+      return numeric(cpl, i, "the superficial velocity", u[d]);
+    if (!isfinite(velocity[d]))
+      return numeric(cpl, i, "the particle velocity", velocity[d]);
+    if (!isfinite(constant[d]))
+      return numeric(cpl, i, "the pressure gradient or stress force", constant[d]);
+  }
+  return PART_OK;
+}
+
+static inline __attribute__((always_inline)) int force_loop(cpl_t *cpl, cpl_particles *p,
+                                                            cpl_drag_law law) {
+  const double rho = cpl->fluid.density, mu = cpl->fluid.viscosity;
+  const int model_b = cpl->params.model == CPL_MODEL_B, two_way = cpl->params.two_way;
+  for (int i = 0; i < cpl->count; i++) {
+    const double *v = cpl_at(p->velocity, p->velocity_stride, i);
+    PART_TRY(check_sampled(cpl, i, v));
+    const double eps = cpl->eps.data[i], volume = cpl->volume.data[i];
+    const double *superficial = cpl->superficial.data + 3 * (size_t)i;
+    const double *constant = cpl->constant.data + 3 * (size_t)i;
+    const double to_interstitial = two_way ? 1.0 / eps : 1.0;
+    double u[3], slip2 = 0.0;
+    for (int d = 0; d < 3; d++) {
+      u[d] = superficial[d] * to_interstitial;
+      slip2 += (u[d] - v[d]) * (u[d] - v[d]);
+    }
+    double beta = law(sqrt(slip2), 2.0 * cpl->sphere.data[4 * (size_t)i + 3], eps, rho, mu);
+    if (model_b)
+      beta /= eps;
+    if (!isfinite(beta))
+      return numeric(cpl, i, "the drag coefficient", beta);
+    double *su = p->fluid_su + (size_t)i * (size_t)p->fluid_su_stride;
+    double *state = cpl->force.data + (size_t)i * CPL_FORCE_WIDTH;
+    for (int d = 0; d < 3; d++) {
+      const double c = constant[d] - rho * volume * cpl->fluid.gravity[d];
+      su[d] = beta * u[d] + c;
+      state[CPL_FORCE_U + d] = superficial[d];
+      state[CPL_FORCE_CONSTANT + d] = c;
+    }
+    p->fluid_sp[(size_t)i * (size_t)p->fluid_sp_stride] = beta;
+    state[CPL_FORCE_SP] = beta;
+    state[CPL_FORCE_EPS] = eps;
+  }
+  return PART_OK;
+}
+
+/* One loop per law, with the law inlined. */
+#define CPL_DRAG(name, function, meaning)                                                          \
+  static int force_##name(cpl_t *cpl, cpl_particles *p) {                                          \
+    return force_loop(cpl, p, function);                                                           \
+  }
+#include "coupling/drag_laws.def"
+#undef CPL_DRAG
+
+static int (*const force_loops[])(cpl_t *, cpl_particles *) = {
+#define CPL_DRAG(name, function, meaning) force_##name,
+#include "coupling/drag_laws.def"
+#undef CPL_DRAG
+};
+
+static int fluid_force(cpl_t *cpl, cpl_particles *particles) {
+  PART_TRY(cpl_check_order(cpl, particles, "cpl_fluid_force"));
+  if (cpl->sample_stamp != cpl->stamp)
+    return part_fail(PART_ERR_STATE, "cpl_fluid_force: call cpl_sample_fluid after cpl_locate");
+  cpl->force_count = -1;
+  PART_TRY(CPL_RESERVE(cpl->force, (size_t)cpl->count * CPL_FORCE_WIDTH));
+  PART_TRY(CPL_RESERVE(cpl->force_id, cpl->count));
+  PART_TRY(force_loops[cpl->params.drag](cpl, particles));
+  if (cpl->count > 0)
+    memcpy(cpl->force_id.data, cpl->id.data, (size_t)cpl->count * sizeof(int64_t));
+  cpl->force_count = cpl->count;
+  return PART_OK;
+}
+
+int cpl_fluid_force(cpl_t *cpl, cpl_particles *particles) {
+  part_timers_start(cpl->timers, cpl->stage[CPL_FORCE]);
+  const int status = fluid_force(cpl, particles);
+  part_timers_stop(cpl->timers, cpl->stage[CPL_FORCE]);
+  return status;
+}

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The coupling dictionary, and the drag laws by row. */
+#include <stddef.h>
+#include "coupling/coupling.h"
+#include "drag/laws.h"
+#include "void_fractions.h"
+
+static const char *const models[] = {"A", "B", NULL};
+
+static const char *const void_fractions[] = {
+#define CPL_VOID_FRACTION(name, meaning) #name,
+#include "coupling/void_fractions.def"
+#undef CPL_VOID_FRACTION
+    NULL};
+
+static const char *const drag_laws[] = {
+#define CPL_DRAG(name, function, meaning) #name,
+#include "coupling/drag_laws.def"
+#undef CPL_DRAG
+    NULL};
+
+static const cpl_drag_law drag_functions[] = {
+#define CPL_DRAG(name, function, meaning) function,
+#include "coupling/drag_laws.def"
+#undef CPL_DRAG
+};
+
+static const part_param rows[] = {
+#define CPL_CHOICE(entry, member, list, need, value, text)                                         \
+  {.name = #entry,                                                                                 \
+   .type = PART_PARAM_CHOICE,                                                                      \
+   .offset = offsetof(cpl_params, member),                                                         \
+   .required = need,                                                                               \
+   .def = {value},                                                                                 \
+   .choices = list,                                                                                \
+   .meaning = text},
+#define CPL_INT(entry, member, value, from, to, text)                                              \
+  {.name = #entry,                                                                                 \
+   .type = PART_PARAM_INT,                                                                         \
+   .offset = offsetof(cpl_params, member),                                                         \
+   .def = {value},                                                                                 \
+   .low = from,                                                                                    \
+   .high = to,                                                                                     \
+   .meaning = text},
+#define CPL_SCALAR(entry, member, value, from, from_open, to, to_open, text)                       \
+  {.name = #entry,                                                                                 \
+   .type = PART_PARAM_SCALAR,                                                                      \
+   .offset = offsetof(cpl_params, member),                                                         \
+   .def = {value},                                                                                 \
+   .low = from,                                                                                    \
+   .low_open = from_open,                                                                          \
+   .high = to,                                                                                     \
+   .high_open = to_open,                                                                           \
+   .meaning = text},
+#define CPL_BOOL(entry, member, value, text)                                                       \
+  {.name = #entry,                                                                                 \
+   .type = PART_PARAM_BOOL,                                                                        \
+   .offset = offsetof(cpl_params, member),                                                         \
+   .def = {value},                                                                                 \
+   .high = 1,                                                                                      \
+   .meaning = text},
+#include "coupling/coupling_params.def"
+#undef CPL_CHOICE
+#undef CPL_INT
+#undef CPL_SCALAR
+#undef CPL_BOOL
+};
+
+const part_param_table cpl_params_table = {"coupling", (int)(sizeof rows / sizeof *rows), rows};
+
+int cpl_drag_count(void) {
+  return (int)(sizeof drag_functions / sizeof *drag_functions);
+}
+
+const char *cpl_drag_name(int law) {
+  return law >= 0 && law < cpl_drag_count() ? drag_laws[law] : NULL;
+}
+
+cpl_drag_law cpl_drag_function(int law) {
+  return law >= 0 && law < cpl_drag_count() ? drag_functions[law] : NULL;
+}

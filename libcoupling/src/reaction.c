@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* After the flow step: what the fluid really gave up in each cell goes to the particles there, and
+ * the momentum budget of the exchange.
+ *
+ *   kick_i = b_i sum_c w_ic R_c/S_c + V_i sum_c w_ic Q_c/s_c - (impulse_i - buoyancy_i dt)
+ *
+ * with R, Q the reactions through drag and through pressure and stress, S_c = sum_i w_ic b_i and
+ * s_c = sum_i w_ic V_i. The sum over particles gives every R_c and Q_c exactly once. Buoyancy
+ * -rho_f V g is known on both sides and is no part of the reactions. */
+#include <math.h>
+#include <string.h>
+#include "coupling_type.h"
+#include "match.h"
+
+static const double ZERO[3] = {0.0, 0.0, 0.0};
+
+static int finite3(const double *x) {
+  return isfinite(x[0]) && isfinite(x[1]) && isfinite(x[2]);
+}
+static int zero3(const double *x) {
+  return x[0] == 0.0 && x[1] == 0.0 && x[2] == 0.0;
+}
+static double norm3(const double *x) {
+  return sqrt(x[0] * x[0] + x[1] * x[1] + x[2] * x[2]);
+}
+
+static int bad_cell(const cpl_t *cpl, size_t c, int status, const char *what, const double *r) {
+  const double *x = cpl->mesh.cell_centre + 3 * c;
+  return part_fail(status, "cpl_reaction: (%g %g %g) N s in cell %zu at (%g %g %g) m %s", r[0],
+                   r[1], r[2], c, x[0], x[1], x[2], what);
+}
+
+/* cell_work[cells][6] = R/S and Q/s. Drag in a cell whose particles have no drag coefficient (all
+ * b_i = 0) is shared by volume. */
+static int divide(cpl_t *cpl, const double *drag, const double *volume) {
+  for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
+    const double *r = drag ? drag + 3 * c : ZERO, *q = volume ? volume + 3 * c : ZERO;
+    double *row = cpl->cell_work.data + 6 * c;
+    memset(row, 0, 6 * sizeof *row);
+    if (!finite3(r) || !finite3(q))
+      return bad_cell(cpl, c, PART_ERR_NUMERIC, "is not finite", finite3(r) ? q : r);
+    if (zero3(r) && zero3(q))
+      continue;
+    const double solid = cpl->solid.data[c], share = cpl->share.data[c];
+    if (!(solid > 0.0))
+      return bad_cell(cpl, c, PART_ERR_ARGUMENT, "without particles there", zero3(r) ? q : r);
+    for (int d = 0; d < 3; d++) {
+      if (share > 0.0)
+        row[d] = r[d] / share;
+      row[3 + d] = (q[d] + (share > 0.0 ? 0.0 : r[d])) / solid;
+    }
+  }
+  return PART_OK;
+}
+
+/* kick[view order] = shares of the reactions. */
+static int share_out(cpl_t *cpl, const cpl_particles *p, double *kick) {
+  PART_TRY(cpl_weights_sample(cpl->weights, 6, cpl->cell_work.data, cpl->particle_work.data));
+  for (size_t i = 0; i < (size_t)cpl->count; i++)
+    for (size_t d = 0; d < 3; d++)
+      cpl->particle_work2.data[3 * i + d] =
+          cpl->implicit.data[i] * cpl->particle_work.data[6 * i + d] +
+          cpl->volume.data[i] * cpl->particle_work.data[6 * i + 3 + d];
+  int status = CPL_RESERVE(cpl->id_work, p->count);
+  PART_TRY(cpl_agree(cpl, status));
+  for (int i = 0; i < p->count; i++)
+    cpl->id_work.data[i] = p->id[(size_t)i * (size_t)p->id_stride];
+  cpl_match *match;
+  PART_TRY(cpl_match_create(cpl->comm, cpl->count, cpl->id.data, p->count, cpl->id_work.data,
+                            "since cpl_locate", &match));
+  status = cpl_match_move(match, 3, cpl->particle_work2.data, kick);
+  cpl_match_destroy(match);
+  return status;
+}
+
+/* ---- budget --------------------------------------------------------------------------------- */
+enum { FLUID = 0, PARTICLES = 3, REACTIONS = 6, BUOYANCY, IMPULSES, KICKS, TERMS };
+
+/* Take from the kicks what was already received, and add up both sides. */
+static void settle(const cpl_t *cpl, const cpl_particles *p, double dt, double *kick, double *sum) {
+  for (int i = 0; i < p->count; i++) {
+    const double *impulse = cpl_at(p->fluid_impulse, p->fluid_impulse_stride, i);
+    const double mass =
+        cpl->fluid.density * cpl_sphere_volume(*cpl_at(p->radius, p->radius_stride, i));
+    double *k = kick + 3 * (size_t)i, buoyancy[3];
+    for (int d = 0; d < 3; d++) {
+      buoyancy[d] = -mass * cpl->fluid.gravity[d] * dt;
+      k[d] -= impulse[d] - buoyancy[d];
+      sum[FLUID + d] += buoyancy[d];
+      sum[PARTICLES + d] += impulse[d] + k[d];
+    }
+    sum[BUOYANCY] += norm3(buoyancy);
+    sum[IMPULSES] += norm3(impulse);
+    sum[KICKS] += norm3(k);
+  }
+}
+
+static void close_budget(cpl_t *cpl, const double *drag, const double *volume, double *sum) {
+  for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
+    const double *r = drag ? drag + 3 * c : ZERO, *q = volume ? volume + 3 * c : ZERO;
+    for (int d = 0; d < 3; d++)
+      sum[FLUID + d] += r[d] + q[d];
+    sum[REACTIONS] += norm3(r) + norm3(q);
+  }
+  if (cpl->size > 1)
+    MPI_Allreduce(MPI_IN_PLACE, sum, TERMS, MPI_DOUBLE, MPI_SUM, cpl->comm);
+  double difference[3], largest = 0.0;
+  for (int d = 0; d < 3; d++) {
+    cpl->budget.fluid[d] = sum[FLUID + d];
+    cpl->budget.particles[d] = sum[PARTICLES + d];
+    difference[d] = sum[FLUID + d] - sum[PARTICLES + d];
+  }
+  for (int k = REACTIONS; k < TERMS; k++)
+    largest = fmax(largest, sum[k]);
+  cpl->budget.error = largest > 0.0 ? norm3(difference) / largest : 0.0;
+  cpl->has_budget = 1;
+}
+
+static int check_reaction(const cpl_t *cpl, double dt) {
+  if (!cpl->params.two_way)
+    return part_fail(PART_ERR_STATE, "cpl_reaction: twoWay is off: the fluid gives nothing up");
+  if (cpl->stamp == 0 || cpl->source_stamp != cpl->stamp || cpl->solid_stamp != cpl->stamp)
+    return part_fail(PART_ERR_STATE, "cpl_reaction: call cpl_void_fraction and "
+                                     "cpl_momentum_source after cpl_locate");
+  if (!isfinite(dt) || dt <= 0.0)
+    return part_fail(PART_ERR_RANGE, "cpl_reaction: dt = %g s; it must be > 0", dt);
+  return PART_OK;
+}
+
+static int reaction(cpl_t *cpl, const cpl_particles *particles, const double *drag,
+                    const double *volume, double dt, double *kick) {
+  int status = check_reaction(cpl, dt);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->cell_work, 6 * (size_t)cpl->mesh.cells);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->particle_work, 6 * (size_t)cpl->count);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->particle_work2, 3 * (size_t)cpl->count);
+  if (status == PART_OK)
+    status = divide(cpl, drag, volume);
+  PART_TRY(cpl_agree(cpl, status));
+  PART_TRY(share_out(cpl, particles, kick));
+  double sum[TERMS] = {0.0};
+  settle(cpl, particles, dt, kick, sum);
+  close_budget(cpl, drag, volume, sum);
+  return PART_OK;
+}
+
+int cpl_reaction(cpl_t *cpl, const cpl_particles *particles, const double *drag_reaction,
+                 const double *volume_reaction, double dt, double *kick) {
+  part_timers_start(cpl->timers, cpl->stage[CPL_REACT]);
+  const int status = reaction(cpl, particles, drag_reaction, volume_reaction, dt, kick);
+  part_timers_stop(cpl->timers, cpl->stage[CPL_REACT]);
+  return status;
+}
+
+int cpl_get_budget(const cpl_t *cpl, cpl_budget *budget) {
+  if (!cpl->has_budget)
+    return part_fail(PART_ERR_STATE, "cpl_get_budget: call cpl_reaction first");
+  *budget = cpl->budget;
+  return PART_OK;
+}

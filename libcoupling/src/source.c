@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the fluid gives the particles, and gets back.
+ *
+ * With J_i the drag impulse that particle i really received over dt, and
+ *   b_i = (m_i/eps_i) (1 - exp(-beta_i dt/m_i))/dt        (fixed: beta_i/eps_i),
+ * the flow step sees the drag -(D U - G) per mixture volume with
+ *   D_c = sum_i w_ic b_i / V_c,     G_c = sum_i w_ic (b_i U_i - J_i/dt) / V_c.
+ * When U has not changed since it was sampled this is -J_i/dt exactly. When it has, the drag grows
+ * by b_i dU, what a particle takes that relaxes towards the new velocity: never more than m_i du.
+ * The difference between what the fluid then really gave and J_i is the particle's kick. */
+#include <math.h>
+#include <string.h>
+#include "coupling_type.h"
+#include "match.h"
+
+/* ---- orders --------------------------------------------------------------------------------- */
+/* From the order of a view to that of cpl_locate. */
+static int match_view(cpl_t *cpl, const cpl_particles *p, cpl_match **match) {
+  int status = CPL_RESERVE(cpl->id_work, p->count);
+  PART_TRY(cpl_agree(cpl, status));
+  for (int i = 0; i < p->count; i++)
+    cpl->id_work.data[i] = p->id[(size_t)i * (size_t)p->id_stride];
+  return cpl_match_create(cpl->comm, p->count, cpl->id_work.data, cpl->count, cpl->id.data,
+                          "since cpl_locate", match);
+}
+
+/* particle_work[count][CPL_FORCE_WIDTH] = force state in the order of cpl_locate. */
+static int order_force(cpl_t *cpl) {
+  cpl_match *match;
+  PART_TRY(cpl_match_create(cpl->comm, cpl->force_count, cpl->force_id.data, cpl->count,
+                            cpl->id.data, "since cpl_fluid_force", &match));
+  int status = CPL_RESERVE(cpl->particle_work, (size_t)cpl->count * CPL_FORCE_WIDTH);
+  status = cpl_agree(cpl, status);
+  if (status == PART_OK)
+    status = cpl_match_move(match, CPL_FORCE_WIDTH, cpl->force.data, cpl->particle_work.data);
+  cpl_match_destroy(match);
+  return status;
+}
+
+/* particle_work2[count][4] = impulse and inverse mass (0: fixed) in the order of cpl_locate. */
+static int order_impulse(cpl_t *cpl, const cpl_particles *p) {
+  cpl_match *match;
+  PART_TRY(match_view(cpl, p, &match));
+  CPL_ARRAY(double) view = {NULL, 0};
+  int status = CPL_RESERVE(view, 4 * (size_t)p->count);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->particle_work2, 4 * (size_t)cpl->count);
+  status = cpl_agree(cpl, status);
+  for (int i = 0; status == PART_OK && i < p->count; i++) {
+    double *row = view.data + 4 * (size_t)i;
+    memcpy(row, cpl_at(p->fluid_impulse, p->fluid_impulse_stride, i), 3 * sizeof *row);
+    const int fixed = p->kind && p->kind[(size_t)i * (size_t)p->kind_stride] == 1;
+    row[3] = fixed ? 0.0 : *cpl_at(p->inverse_mass, p->inverse_mass_stride, i);
+  }
+  if (status == PART_OK)
+    status = cpl_match_move(match, 4, view.data, cpl->particle_work2.data);
+  CPL_FREE(view);
+  cpl_match_destroy(match);
+  return status;
+}
+
+/* ---- source --------------------------------------------------------------------------------- */
+/* (1 - exp(-x))/x, x >= 0 */
+static double relaxed(double x) {
+  return x > 0.0 ? -expm1(-x) / x : 1.0;
+}
+
+static int implicit_parts(cpl_t *cpl, double dt) {
+  for (int i = 0; i < cpl->count; i++) {
+    const double *force = cpl->particle_work.data + (size_t)i * CPL_FORCE_WIDTH;
+    double *row = cpl->particle_work2.data + 4 * (size_t)i; /* impulse, 1/m -> b, G */
+    const double sp = force[CPL_FORCE_SP], inverse_mass = row[3];
+    const double b = sp * relaxed(sp * dt * inverse_mass) / force[CPL_FORCE_EPS];
+    double g[3];
+    for (int d = 0; d < 3; d++) {
+      const double drag = row[d] / dt - force[CPL_FORCE_CONSTANT + d];
+      g[d] = b * force[CPL_FORCE_U + d] - drag;
+    }
+    if (!isfinite(b) || !isfinite(g[0]) || !isfinite(g[1]) || !isfinite(g[2]))
+      return part_fail(PART_ERR_NUMERIC,
+                       "coupling: the momentum source of particle %lld is not finite (impulse (%g "
+                       "%g %g) N s, drag coefficient %g kg/s)",
+                       (long long)cpl->id.data[i], row[0], row[1], row[2], sp);
+    cpl->implicit.data[i] = b;
+    row[0] = b;
+    memcpy(row + 1, g, sizeof g);
+  }
+  return PART_OK;
+}
+
+static void write_source(cpl_t *cpl, cpl_cells *cells) {
+  for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
+    const double *row = cpl->cell_work.data + 4 * c;
+    const double volume = cpl->mesh.volume[c];
+    cpl->share.data[c] = row[0];
+    cells->drag_coefficient[c] = row[0] / volume;
+    for (size_t d = 0; d < 3; d++)
+      cells->drag_explicit[3 * c + d] = row[1 + d] / volume;
+  }
+}
+
+static int check_source(const cpl_t *cpl, const cpl_cells *cells, double dt) {
+  if (!cells->drag_coefficient || !cells->drag_explicit)
+    return part_fail(PART_ERR_ARGUMENT,
+                     "cpl_momentum_source: needs drag_coefficient and drag_explicit of the cells");
+  if (!isfinite(dt) || dt <= 0.0)
+    return part_fail(PART_ERR_RANGE, "cpl_momentum_source: dt = %g s; it must be > 0", dt);
+  if (cpl->params.two_way && cpl->stamp == 0)
+    return part_fail(PART_ERR_STATE, "cpl_momentum_source: call cpl_locate first");
+  if (cpl->params.two_way && cpl->force_count < 0)
+    return part_fail(PART_ERR_STATE, "cpl_momentum_source: call cpl_fluid_force first");
+  return PART_OK;
+}
+
+static int momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells *cells,
+                           double dt) {
+  const size_t n = (size_t)cpl->mesh.cells;
+  PART_TRY(cpl_agree(cpl, check_source(cpl, cells, dt)));
+  if (!cpl->params.two_way) {
+    memset(cells->drag_coefficient, 0, n * sizeof(double));
+    memset(cells->drag_explicit, 0, 3 * n * sizeof(double));
+    return PART_OK;
+  }
+  PART_TRY(order_force(cpl));
+  PART_TRY(order_impulse(cpl, particles));
+  int status = CPL_RESERVE(cpl->implicit, cpl->count);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->cell_work, 4 * n);
+  if (status == PART_OK)
+    status = implicit_parts(cpl, dt);
+  PART_TRY(cpl_agree(cpl, status));
+  memset(cpl->cell_work.data, 0, 4 * n * sizeof(double));
+  PART_TRY(cpl_weights_deposit(cpl->weights, 4, cpl->particle_work2.data, cpl->cell_work.data));
+  write_source(cpl, cells);
+  cpl->source_stamp = cpl->stamp;
+  return PART_OK;
+}
+
+int cpl_momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells *cells, double dt) {
+  part_timers_start(cpl->timers, cpl->stage[CPL_SOURCE]);
+  const int status = momentum_source(cpl, particles, cells, dt);
+  part_timers_stop(cpl->timers, cpl->stage[CPL_SOURCE]);
+  return status;
+}

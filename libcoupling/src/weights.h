@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Weights w_ic = (volume of sphere i in cell c) / (its volume in all cells), kept where the cells
+ * are: one row per visit (rendezvous.h). A sphere partly in a wall gives all of its volume to the
+ * cells it touches: sum_c w_ic = 1 always. */
+#ifndef COUPLING_WEIGHTS_H
+#define COUPLING_WEIGHTS_H
+
+#include "coupling/coupling.h"
+#include "overlap.h"
+
+typedef struct cpl_weights cpl_weights;
+
+/* Collective. comm, mesh and search are used, not copied. */
+int cpl_weights_create(MPI_Comm comm, const cpl_mesh *mesh, cpl_search *search, const part_box *box,
+                       const cpl_params *params, cpl_weights **weights);
+void cpl_weights_destroy(cpl_weights *weights);
+
+/* Collective. ERR_OUTSIDE: a particle without volume in any cell; and those of
+ * cpl_rendezvous_visits. After an error there are no weights. */
+int cpl_weights_locate(cpl_weights *weights, const cpl_particles *particles);
+
+/* Collective. Q_c += sum_i w_ic Q_i; value[count][n], cell[cells][n]. */
+int cpl_weights_deposit(cpl_weights *weights, int n, const double *value, double *cell);
+/* Collective. q_i = sum_c w_ic q_c; cell[cells][n], value[count][n]. */
+int cpl_weights_sample(cpl_weights *weights, int n, const double *cell, double *value);
+
+/* Of the last locate on this rank: particles, visits sent, touched cells of received visits. */
+void cpl_weights_counts(const cpl_weights *weights, int *particles, int *visits, int *touched);
+long long cpl_weights_bytes(const cpl_weights *weights); /* sent to other ranks so far */
+
+#endif
