@@ -93,10 +93,13 @@ obj_of = $(patsubst %.c,$(O)/obj/%.o,$(call src_of,$(1)))
 
 all: $(foreach l,$(libs),$(O)/lib/lib$(l).a $(O)/lib/lib$(l).so)
 
+# A test that no longer compiles must not leave its old program to be run: a helper's failure takes all with it.
+stale = $(if $(filter tests/%,$(1)),$(if $(filter $(1).c,$(test_src)),$(O)/$(1),$(test_bin)))
+
 $(O)/obj/%.o: %.c $(O)/flags
 	@mkdir -p $(@D)
 	$(call say,cc,$<)
-	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c $< -o $@
+	$(Q)$(CC) $(CPPFLAGS_ALL) $(CFLAGS_ALL) -MMD -MP -c $< -o $@ || { rm -f $@ $(call stale,$*); exit 1; }
 
 # The name list makes the library again when a source file appears or goes away.
 define library
@@ -147,7 +150,7 @@ $(O)/$(1): $(O)/obj/$(1).o $(2) $(naive_obj) $(shared)
 	@mkdir -p $$(@D)
 	$$(call say,ld,$$@)
 	$(Q)$(CC) $(O)/obj/$(1).o $(2) $(naive_obj) -L$(O)/lib $(rpath) -Wl,--no-as-needed \
-	    $(link_libs) -Wl,--as-needed $(LDFLAGS_ALL) $(3) $(LIBS_ALL) -o $$@
+	    $(link_libs) -Wl,--as-needed $(LDFLAGS_ALL) $(3) $(LIBS_ALL) -o $$@ || { rm -f $$@; exit 1; }
 endef
 $(foreach t,$(test_src),$(eval $(call program,$(t:.c=),$(call help_of,$(patsubst %/,%,$(dir $(t)))),$(CMOCKA_LIBS))))
 $(foreach t,$(bench_src),$(eval $(call program,$(t:.c=),,)))
