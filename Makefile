@@ -12,7 +12,8 @@
 #   CHECK="--only dem"   passes options to tests/run (tests/run --help)
 #   CC=clang  WERROR=1  NATIVE=1  SAN=address,undefined  OPT=-O2  CFLAGS=...  LDFLAGS=...  V=1
 #
-# Each variant (compiler, sanitizers, NATIVE) has a folder of its own: build/, build/clang/, build/gcc-address-undefined/ ...
+# Each variant (compiler, sanitizers, NATIVE) has a folder of its own: build/, build/clang/, build/gcc-address-undefined/ ...;
+# O=folder sets another.
 
 MAKEFLAGS += --no-builtin-rules
 .SUFFIXES:
@@ -93,8 +94,10 @@ obj_of = $(patsubst %.c,$(O)/obj/%.o,$(call src_of,$(1)))
 
 all: $(foreach l,$(libs),$(O)/lib/lib$(l).a $(O)/lib/lib$(l).so)
 
-# A test that no longer compiles must not leave its old program to be run: a helper's failure takes all with it.
-stale = $(if $(filter tests/%,$(1)),$(if $(filter $(1).c,$(test_src)),$(O)/$(1),$(test_bin)))
+# What does not compile any more must not leave an old library or program to be tested: the failure of a library's
+# file removes the library, that of a test its program, that of a test helper all test programs.
+stale = $(if $(filter lib%,$(1)),$(addprefix $(O)/lib/$(firstword $(subst /, ,$(1))),.a .so),$\
+        $(if $(filter $(1).c,$(test_src) $(bench_src)),$(O)/$(1),$(test_bin)))
 
 $(O)/obj/%.o: %.c $(O)/flags
 	@mkdir -p $(@D)
@@ -116,7 +119,7 @@ $(O)/lib/lib$(1).so: $(call obj_of,$(1)) $(O)/obj/lib$(1).list \
 	$$(call say,ld,$$@)
 	$(Q)$(CC) -shared $(if $(SAN),,-Wl$(comma)--no-undefined) -Wl,-soname,lib$(1).so -Wl,--disable-new-dtags,-rpath,'$$$$ORIGIN' \
 	    $(call obj_of,$(1)) -L$(O)/lib $(foreach d,$(filter $(libs),$(deps_$(1))),-l$(d)) \
-	    $(LDFLAGS_ALL) $(LIBS_ALL) -o $$@
+	    $(LDFLAGS_ALL) $(LIBS_ALL) -o $$@ || { rm -f $$@; exit 1; }
 endef
 $(foreach l,$(libs),$(eval $(call library,$(l))))
 
@@ -125,7 +128,8 @@ $(foreach l,$(libs),$(eval $(call library,$(l))))
 # tests/<lib>/test_*.c       one program each
 # tests/<lib>/<other>.c      helpers, linked to every test of that folder
 # tests/naive/*.c            plain reference implementations, linked to every test and benchmark
-# Tests include "naive/....h" and the helpers of their folder; they link to the shared libraries.
+# Tests include "naive/....h" and the helpers of their folder. They link to the shared library of their folder and to
+# those that it depends on; benchmarks link to all.
 folders   := $(addprefix tests/,$(known))
 test_src  := $(wildcard $(addsuffix /test_*.c,$(folders)))
 test_bin  := $(patsubst %.c,$(O)/%,$(test_src))
@@ -133,10 +137,9 @@ naive_obj := $(patsubst %.c,$(O)/obj/%.o,$(wildcard tests/naive/*.c))
 bench_src := $(wildcard tests/benchmark/*.c)
 bench_bin := $(patsubst %.c,$(O)/%,$(bench_src))
 help_of    = $(patsubst %.c,$(O)/obj/%.o,$(filter-out $(1)/test_%,$(wildcard $(1)/*.c)))
-link_libs := $(foreach l,$(libs),-l$(l))
 # The test's own path wins over LD_LIBRARY_PATH, so a variant never picks up the libraries of another.
-rpath     := -Wl,--disable-new-dtags,-rpath,$(CURDIR)/$(O)/lib
-shared    := $(foreach l,$(libs),$(O)/lib/lib$(l).so)
+rpath     := -Wl,--disable-new-dtags,-rpath,$(abspath $(O))/lib
+needs      = $(filter $(libs),$(1) $(deps_$(1)))
 
 $(O)/obj/tests/%.o: CPPFLAGS_ALL += -Itests $(call system,$(CMOCKA_CFLAGS))
 
@@ -146,24 +149,26 @@ ifneq ($(SAN),)
 endif
 
 define program
-$(O)/$(1): $(O)/obj/$(1).o $(2) $(naive_obj) $(shared)
+$(O)/$(1): $(O)/obj/$(1).o $(2) $(naive_obj) $(foreach l,$(4),$(O)/lib/lib$(l).so)
 	@mkdir -p $$(@D)
 	$$(call say,ld,$$@)
-	$(Q)$(CC) $(O)/obj/$(1).o $(2) $(naive_obj) -L$(O)/lib $(rpath) -Wl,--no-as-needed \
-	    $(link_libs) -Wl,--as-needed $(LDFLAGS_ALL) $(3) $(LIBS_ALL) -o $$@ || { rm -f $$@; exit 1; }
+	$(Q)$(CC) $(O)/obj/$(1).o $(2) $(naive_obj) -L$(O)/lib $(rpath) -Wl,--no-as-needed $(foreach l,$(4),-l$(l)) \
+	    -Wl,--as-needed $(LDFLAGS_ALL) $(3) $(LIBS_ALL) -o $$@ || { rm -f $$@; exit 1; }
 endef
-$(foreach t,$(test_src),$(eval $(call program,$(t:.c=),$(call help_of,$(patsubst %/,%,$(dir $(t)))),$(CMOCKA_LIBS))))
-$(foreach t,$(bench_src),$(eval $(call program,$(t:.c=),,)))
+folder = $(patsubst %/,%,$(dir $(1)))
+$(foreach t,$(test_src),$(eval $(call program,$(t:.c=),$(call help_of,$(call folder,$(t))),$\
+  $(CMOCKA_LIBS),$(call needs,$(notdir $(call folder,$(t)))))))
+$(foreach t,$(bench_src),$(eval $(call program,$(t:.c=),,,$(libs))))
 
-tests: all $(test_bin)
+tests: $(test_bin)
 
-# One test program that does not compile must not hide the results of the others: tests/run counts it as failed.
-check: all
+# One file that does not compile must not hide the results of the others: tests/run counts what is missing as failed.
+check:
 ifeq ($(test_src),)
 	@echo 'make check: there are no tests/{particle,dem,coupling,sph}/test_*.c yet'
 else
-	@$(MAKE) --no-print-directory -k tests || true
-	@tests/run --build $(O) $(CHECK) $(test_src)
+	@$(MAKE) --no-print-directory -k all tests; built=$$?; \
+	  tests/run --build $(O) $(CHECK) $(test_src) && exit $$built
 endif
 
 bench: all $(bench_bin)
@@ -182,7 +187,7 @@ clean:
 	rm -rf build
 
 help:
-	@sed -n '3,16s/^# \{0,1\}//p' Makefile
+	@sed -n '3,17s/^# \{0,1\}//p' Makefile
 
 force:
 
