@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* dem_advance: as many substeps as contact needs. */
+#include "internal.h"
+
+/* Does any own particle feel a fluid? Also clears the impulses of the last advance. */
+static int begin_fluid(dem_t *dem)
+{
+  double *fluid = dem_fluid(dem);
+  int any = 0;
+  for (int i = 0; i < dem->store->local; i++) {
+    double *f = fluid + DEM_FLUID * (size_t)i;
+    f[4] = f[5] = f[6] = 0.0;
+    any |= f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0 || f[3] != 0.0;
+  }
+  return any || !dem->params.skip;
+}
+
+static int check_fluid(const dem_t *dem)
+{
+  for (int i = 0; i < dem->store->local; i++) {
+    const double *f = dem_fluid(dem) + DEM_FLUID * (size_t)i;
+    const double *x = dem_xr(dem) + DEM_XR * (size_t)i;
+    if (!isfinite(f[0] + f[1] + f[2] + f[3]) || f[3] < 0.0)
+      return part_fail(PART_ERR_NUMERIC,
+                       "fluid force on particle %lld at (%g %g %g) m, time %g s: Su = (%g %g %g) N, "
+                       "Sp = %g kg/s; must be finite, Sp >= 0",
+                       (long long)dem_id(dem, i), x[0], x[1], x[2], dem->time, f[0], f[1], f[2],
+                       f[3]);
+  }
+  return PART_OK;
+}
+
+static int check_state(const dem_t *dem)
+{
+  for (int i = 0; i < dem->store->local; i++) {
+    const double *x = dem_xr(dem) + DEM_XR * (size_t)i, *v = dem_vm(dem) + DEM_VM * (size_t)i;
+    if (!isfinite(x[0] + x[1] + x[2] + v[0] + v[1] + v[2] + v[4] + v[5] + v[6]))
+      return part_fail(PART_ERR_NUMERIC,
+                       "particle %lld at (%g %g %g) m, time %g s, velocity (%g %g %g) m/s is not "
+                       "finite",
+                       (long long)dem_id(dem, i), x[0], x[1], x[2], dem->time, v[0], v[1], v[2]);
+  }
+  return PART_OK;
+}
+
+static void add_impulses(dem_t *dem, double h)
+{
+  dem_sum_add(&dem->wall_impulse, dem->wall_force, h);
+  dem_sum_add(&dem->support_impulse, dem->support_force, h);
+}
+
+static int substep(dem_t *dem, double t, double h, int fluid)
+{
+  add_impulses(dem, 0.5 * h);
+  dem_free_kick_drift(dem, t, h, fluid);
+  if (dem->plan.blocks)
+    dem_blocks_kick_drift(dem, t, h);
+  PART_TRY(dem_refresh(dem));
+  PART_TRY(dem_forces(dem, h));
+  add_impulses(dem, 0.5 * h);
+  dem_free_kick(dem, t + 0.5 * h, h, fluid);
+  if (dem->plan.blocks)
+    dem_blocks_kick(dem, t + 0.5 * h, h);
+  dem->substeps++;
+  return PART_OK;
+}
+
+static int count_substeps(dem_t *dem, double dt, int *n)
+{
+  int free_flight = 0;
+  *n = 1;
+  if (dt <= dem->stable_step)
+    return PART_OK;
+  PART_TRY(dem_horizon(dem, dt, &free_flight));
+  if (free_flight)
+    return PART_OK;
+  /* A ratio that is whole but for rounding is meant to be whole. */
+  const double ratio = ceil(dt / dem->stable_step * (1.0 - 1e-12));
+  if (ratio > 1e9)
+    return part_fail(PART_ERR_RANGE, "advance by %g s: more than 1e9 substeps of %g s", dt,
+                     dem->stable_step);
+  *n = (int)ratio;
+  return PART_OK;
+}
+
+/* Fixed particles hand everything on: F = Su, because v = 0. */
+static void end_fluid(dem_t *dem, double dt)
+{
+  double *fluid = dem_fluid(dem);
+  for (int i = 0; i < dem->store->local; i++) {
+    double *f = fluid + DEM_FLUID * (size_t)i;
+    if (dem_kind_of(dem, i) != DEM_FIXED) {
+      dem_sum_add(&dem->fluid_impulse, f + 4, 1.0);
+      continue;
+    }
+    for (int c = 0; c < 3; c++)
+      f[4 + c] = f[c] * dt;
+  }
+}
+
+static int run(dem_t *dem, double dt, int n, int fluid)
+{
+  const double t0 = dem->time, h = dt / n;
+  if (!dem->plan.movable && dem->params.skip)
+    n = 0;
+  for (int s = 0; s < n; s++) {
+    PART_TRY(substep(dem, t0 + s * h, h, fluid));
+    dem->time = t0 + (s + 1) * h;
+  }
+  dem->time = t0 + dt;
+  if (dem->plan.blocks)
+    PART_TRY(dem_blocks_end(dem, dt));
+  end_fluid(dem, dt);
+  return part_agree(dem->comm, check_state(dem));
+}
+
+int dem_advance(dem_t *dem, double dt, int *substeps)
+{
+  int n;
+  if (substeps != NULL)
+    *substeps = 0;
+  if (!dem->started)
+    return part_fail(PART_ERR_STATE, "dem_advance comes after dem_start");
+  if (!(dt > 0.0) || !isfinite(dt))
+    return part_fail(PART_ERR_RANGE, "advance by %g s: must be positive and finite", dt);
+  PART_TRY(part_agree(dem->comm, check_fluid(dem)));
+  const int fluid = begin_fluid(dem);
+  if (dem->plan.blocks)
+    PART_TRY(dem_blocks_begin(dem));
+  PART_TRY(count_substeps(dem, dt, &n));
+  if (substeps != NULL)
+    *substeps = n;
+  return run(dem, dt, n, fluid);
+}
+
+int dem_kick(dem_t *dem, const double *impulse)
+{
+  double *sums = NULL;
+  if (!dem->started)
+    return part_fail(PART_ERR_STATE, "dem_kick comes after dem_start");
+  int status = dem_allocate(3 * (size_t)dem->blocks, sizeof *sums, &sums);
+  for (int i = 0; status == PART_OK && i < dem->store->local; i++) {
+    const double *j = impulse + 3 * (size_t)i;
+    double *v = dem_vm(dem) + DEM_VM * (size_t)i;
+    const int kind = dem_kind_of(dem, i);
+    if (!isfinite(j[0] + j[1] + j[2]))
+      status = part_fail(PART_ERR_NUMERIC, "the impulse on particle %lld is not finite",
+                         (long long)dem_id(dem, i));
+    if (kind != DEM_FIXED)
+      dem_sum_add(&dem->fluid_impulse, j, 1.0);
+    for (int c = 0; c < 3; c++) {
+      if (kind == DEM_FREE)
+        v[c] += j[c] * v[3];
+      else if (kind == DEM_BLOCK)
+        sums[3 * dem_block_of(dem, i) + c] += j[c];
+    }
+  }
+  status = part_agree(dem->comm, status);
+  if (status == PART_OK)
+    status = dem_rank_sum(dem, 3 * dem->blocks, sums);
+  if (status == PART_OK)
+    dem_blocks_add(dem, sums);
+  free(sums);
+  return status;
+}

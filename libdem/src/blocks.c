@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Rigid blocks: members share one velocity and do not turn. The state of a block is the same on
+ * every rank bit for bit, because sums over ranks are taken in rank order everywhere.
+ *
+ * In contact a member counts with the mass of its block: in a translation the whole block has to be
+ * accelerated, so m_eff = m M/(m + M), and only with it the damping gives the restitution asked for. */
+#include "flow.h"
+#include "internal.h"
+
+int dem_rank_sum(const dem_t *dem, int n, double *values)
+{
+  double *all;
+  if (dem->ranks == 1)
+    return PART_OK;
+  PART_TRY(part_agree(dem->comm, dem_allocate((size_t)n * (size_t)dem->ranks, sizeof *all, &all)));
+  const int error = MPI_Allgather(values, n, MPI_DOUBLE, all, n, MPI_DOUBLE, dem->comm);
+  for (int k = 0; k < n; k++)
+    values[k] = 0.0;
+  for (int r = 0; r < dem->ranks; r++)
+    for (int k = 0; k < n; k++)
+      values[k] += all[(size_t)r * (size_t)n + (size_t)k];
+  free(all);
+  return error == MPI_SUCCESS ? PART_OK : part_fail(PART_ERR_MPI, "a sum over ranks failed");
+}
+
+/* Sums over the members of every block of `width` values that start at base[stride i]. */
+static int member_sums(const dem_t *dem, const double *base, size_t stride, int width, double **sums)
+{
+  PART_TRY(part_agree(dem->comm,
+                      dem_allocate((size_t)(dem->blocks * width), sizeof **sums, sums)));
+  for (int i = 0; i < dem->store->local; i++)
+    if (dem_kind_of(dem, i) == DEM_BLOCK)
+      for (int c = 0; c < width; c++)
+        (*sums)[dem_block_of(dem, i) * width + c] += base[stride * (size_t)i + (size_t)c];
+  const int status = dem_rank_sum(dem, dem->blocks * width, *sums);
+  if (status != PART_OK)
+    free(*sums);
+  return status;
+}
+
+int dem_blocks_begin(dem_t *dem)
+{
+  double *sums;
+  PART_TRY(member_sums(dem, dem_fluid(dem), DEM_FLUID, 4, &sums));
+  for (int b = 0; b < dem->blocks; b++) {
+    dem_block *block = &dem->block[b];
+    for (int c = 0; c < 3; c++) {
+      block->su[c] = sums[4 * b + c];
+      block->path[c] = block->impulse[c] = 0.0;
+    }
+    block->sp = sums[4 * b + 3];
+  }
+  free(sums);
+  return PART_OK;
+}
+
+int dem_blocks_forces(dem_t *dem)
+{
+  double *sums;
+  PART_TRY(member_sums(dem, dem_ft(dem), DEM_FT, 3, &sums));
+  for (int b = 0; b < dem->blocks; b++)
+    for (int c = 0; c < 3; c++)
+      dem->block[b].force[c] = sums[3 * b + c];
+  free(sums);
+  return PART_OK;
+}
+
+/* Half step of one block with the force of now; the displacement of drift_h with it. */
+static void move_block(dem_t *dem, int number, double t, double h, double drift_h)
+{
+  dem_block *block = &dem->block[number];
+  const double w = 1.0 / block->mass, b = block->sp * w * h;
+  const dem_flow half = dem_flow_of(b), whole = dem_flow_of(block->sp * w * drift_h);
+  double weight = 0.0;
+  for (int m = 0; m < dem->materials; m++)
+    weight += dem->block_gravity[number * dem->materials + m] * dem_gravity_factor(dem, m, t, h);
+  /* Every rank knows the block; one of them counts its share of the budget. */
+  if (dem->rank == 0)
+    dem_sum_add(&dem->gravity_impulse, dem->params.gravity, weight * h);
+  for (int c = 0; c < 3; c++) {
+    const double a = (block->force[c] + weight * dem->params.gravity[c]) * w;
+    const double s = block->su[c] * w, v = block->v[c];
+    block->shift[c] = v * drift_h * whole.phi1 + (a + s) * drift_h * drift_h * whole.phi2;
+    const double by_fluid = s * h * half.phi1 - v * half.lost - a * h * b * half.phi2;
+    block->path[c] += v * h * half.phi1 + (a + s) * h * h * half.phi2;
+    block->v[c] += a * h + by_fluid;
+    block->x[c] += block->shift[c];
+    block->impulse[c] += by_fluid * block->mass;
+  }
+}
+
+static void move_members(dem_t *dem)
+{
+  double *xr = dem_xr(dem), *vm = dem_vm(dem);
+  for (int i = 0; i < dem->store->local; i++) {
+    if (dem_kind_of(dem, i) != DEM_BLOCK)
+      continue;
+    const dem_block *block = &dem->block[dem_block_of(dem, i)];
+    for (size_t c = 0; c < 3; c++) {
+      xr[DEM_XR * (size_t)i + c] += block->shift[c];
+      vm[DEM_VM * (size_t)i + c] = block->v[c];
+    }
+  }
+}
+
+static void move_blocks(dem_t *dem, double t, double h, double drift_h)
+{
+  part_timers_start(dem->timers, dem->stage[DEM_STAGE_BLOCKS]);
+  for (int b = 0; b < dem->blocks; b++)
+    if (dem->block[b].members > 0)
+      move_block(dem, b, t, h, drift_h);
+  move_members(dem);
+  part_timers_stop(dem->timers, dem->stage[DEM_STAGE_BLOCKS]);
+}
+
+void dem_blocks_kick_drift(dem_t *dem, double t, double h) { move_blocks(dem, t, 0.5 * h, h); }
+void dem_blocks_kick(dem_t *dem, double t, double h) { move_blocks(dem, t, 0.5 * h, 0.0); }
+
+/* Shares of the members, J_i = Su_i dt - Sp_i (path of the block). Their sum equals the impulse of
+ * the block but for the rounding of two large terms when drag is stiff; that rest is given out by
+ * Sp_i (by number without drag), so that the shares add up. */
+int dem_blocks_end(dem_t *dem, double dt)
+{
+  double *fluid = dem_fluid(dem), *sums;
+  for (int i = 0; i < dem->store->local; i++) {
+    if (dem_kind_of(dem, i) != DEM_BLOCK)
+      continue;
+    double *f = fluid + DEM_FLUID * (size_t)i;
+    for (int c = 0; c < 3; c++)
+      f[4 + c] = f[c] * dt - f[3] * dem->block[dem_block_of(dem, i)].path[c];
+  }
+  PART_TRY(member_sums(dem, fluid + 4, DEM_FLUID, 3, &sums));
+  for (int i = 0; i < dem->store->local; i++) {
+    if (dem_kind_of(dem, i) != DEM_BLOCK)
+      continue;
+    const int b = dem_block_of(dem, i);
+    const dem_block *block = &dem->block[b];
+    double *f = fluid + DEM_FLUID * (size_t)i;
+    const double share = block->sp > 0.0 ? f[3] / block->sp : 1.0 / (double)block->members;
+    for (int c = 0; c < 3; c++)
+      f[4 + c] += share * (block->impulse[c] - sums[3 * b + c]);
+  }
+  free(sums);
+  return PART_OK;
+}
+
+void dem_blocks_add(dem_t *dem, const double *impulse)
+{
+  for (int b = 0; b < dem->blocks; b++) {
+    dem_block *block = &dem->block[b];
+    for (int c = 0; c < 3 && block->members > 0; c++) {
+      block->v[c] += impulse[3 * b + c] / block->mass;
+      block->shift[c] = 0.0;
+    }
+  }
+  move_members(dem);
+}

@@ -1,0 +1,152 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Contact of particles: one loop over the pair list, stamped for every law, with and without the
+ * tangential part.
+ *
+ * The contact point is in the middle of the overlap, at r - delta/2 from either centre, so that
+ * force and torque conserve angular momentum exactly: the two arms add up to the distance. */
+#include "internal.h"
+#include "laws.h"
+
+#if defined(__GNUC__)
+#define DEM_ALWAYS_INLINE static inline __attribute__((always_inline))
+#else
+#define DEM_ALWAYS_INLINE static inline
+#endif
+
+typedef void law_function(const dem_coefs *, const dem_touch *, int, double, double *, double *);
+
+/* v_i - v_j at the contact point; the arms are those of the two particles. */
+DEM_ALWAYS_INLINE void surface_velocity(const double *vi, const double *vj, const double n[3],
+                                        double arm_i, double arm_j, int tangential, double v[3])
+{
+  for (int c = 0; c < 3; c++)
+    v[c] = vi[c] - vj[c];
+  if (tangential) {
+    const double u[3] = {arm_i * vi[4] + arm_j * vj[4], arm_i * vi[5] + arm_j * vj[5],
+                         arm_i * vi[6] + arm_j * vj[6]};
+    v[0] -= u[1] * n[2] - u[2] * n[1];
+    v[1] -= u[2] * n[0] - u[0] * n[2];
+    v[2] -= u[0] * n[1] - u[1] * n[0];
+  }
+}
+
+DEM_ALWAYS_INLINE void add_force(double *ft, const double f[3], const double torque[3], double sign,
+                                 double arm, int tangential)
+{
+  for (int c = 0; c < 3; c++) {
+    ft[c] += sign * f[c];
+    if (tangential)
+      ft[4 + c] += arm * torque[c];
+  }
+}
+
+DEM_ALWAYS_INLINE void one_pair(const dem_t *dem, int i, int j, double d2, const double d[3],
+                                double *spring, law_function *law, int tangential, double dt)
+{
+  const double *xr = dem_xr(dem), *vm = dem_vm(dem);
+  const double *vi = vm + DEM_VM * (size_t)i, *vj = vm + DEM_VM * (size_t)j;
+  const double ri = xr[DEM_XR * (size_t)i + 3], rj = xr[DEM_XR * (size_t)j + 3];
+  const double distance = sqrt(d2), inverse = 1.0 / distance;
+  dem_touch touch;
+  double force[3], torque[3] = {0.0, 0.0, 0.0};
+  touch.overlap = ri + rj - distance;
+  touch.inverse_mass = vi[3] + vj[3];
+  for (int c = 0; c < 3; c++)
+    touch.n[c] = d[c] * inverse;
+  const double arm_i = ri - 0.5 * touch.overlap, arm_j = rj - 0.5 * touch.overlap;
+  surface_velocity(vi, vj, touch.n, arm_i, arm_j, tangential, touch.v);
+  law(&dem->coefs[(int)vi[7] * dem->materials + (int)vj[7]], &touch, tangential, dt, spring, force);
+  if (tangential) {
+    /* -n x F: the normal part of F drops out. */
+    torque[0] = touch.n[2] * force[1] - touch.n[1] * force[2];
+    torque[1] = touch.n[0] * force[2] - touch.n[2] * force[0];
+    torque[2] = touch.n[1] * force[0] - touch.n[0] * force[1];
+  }
+  double *ft = dem_ft(dem);
+  add_force(ft + DEM_FT * (size_t)i, force, torque, 1.0, arm_i, tangential);
+  if (j < dem->store->local)
+    add_force(ft + DEM_FT * (size_t)j, force, torque, -1.0, arm_j, tangential);
+}
+
+DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, law_function *law, int tangential, double dt)
+{
+  const double *xr = dem_xr(dem);
+  const part_pairs *pairs = dem->pairs;
+  double nothing[DEM_SPRING] = {0.0, 0.0, 0.0};
+  for (int i = 0; i < pairs->rows; i++) {
+    const double *xi = xr + DEM_XR * (size_t)i;
+    for (int k = pairs->start[i]; k < pairs->start[i + 1]; k++) {
+      const int j = pairs->partner[k];
+      const double *xj = xr + DEM_XR * (size_t)j;
+      const double d[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]};
+      const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], reach = xi[3] + xj[3];
+      double *spring = tangential ? &pairs->data[DEM_SPRING * (size_t)k] : nothing;
+      if (d2 < reach * reach && d2 > 0.0)
+        one_pair(dem, i, j, d2, d, spring, law, tangential, dt);
+      else if (tangential)
+        spring[0] = spring[1] = spring[2] = 0.0;
+    }
+  }
+}
+
+#define DEM_LAW(name, key, meaning)                                                                \
+  static void pairs_##name(dem_t *dem, double dt) { pair_loop(dem, dem_law_##name, 0, dt); }       \
+  static void pairs_##name##_tangential(dem_t *dem, double dt)                                     \
+  {                                                                                                \
+    pair_loop(dem, dem_law_##name, 1, dt);                                                         \
+  }
+#include "dem/contact_laws.def"
+#undef DEM_LAW
+
+static void (*const stamped[DEM_LAW_COUNT][2])(dem_t *, double) = {
+#define DEM_LAW(name, key, meaning) {pairs_##name, pairs_##name##_tangential},
+#include "dem/contact_laws.def"
+#undef DEM_LAW
+};
+
+static void pairs_any(dem_t *dem, double dt) { pair_loop(dem, dem_laws_any, 0, dt); }
+static void pairs_any_tangential(dem_t *dem, double dt) { pair_loop(dem, dem_laws_any, 1, dt); }
+
+/* The law that all given contacts have in common, -1 when they differ. */
+static int common_law(const dem_t *dem)
+{
+  int law = -2;
+  for (int k = 0; k < dem->materials * dem->materials; k++) {
+    if (dem->coefs[k].law < 0)
+      continue;
+    law = law == -2 || law == dem->coefs[k].law ? dem->coefs[k].law : -1;
+  }
+  return law;
+}
+
+void dem_pair_forces(dem_t *dem, double dt)
+{
+  const int law = common_law(dem), tangential = dem->plan.tangential;
+  if (law >= 0)
+    stamped[law][tangential](dem, dt);
+  else if (tangential)
+    pairs_any_tangential(dem, dt);
+  else
+    pairs_any(dem, dt);
+}
+
+int dem_pair_list_filter(dem_t *dem)
+{
+  part_pairs *pairs = dem->pairs;
+  int used = 0, begin = 0;
+  if (dem->plan.all_free)
+    return PART_OK;
+  for (int i = 0; i < pairs->rows; i++) {
+    const int kind = dem_kind_of(dem, i), block = dem_block_of(dem, i), end = pairs->start[i + 1];
+    for (int k = begin; k < end; k++) {
+      const int j = pairs->partner[k];
+      const int same = kind == dem_kind_of(dem, j) &&
+                       (kind == DEM_FIXED || (kind == DEM_BLOCK && block == dem_block_of(dem, j)));
+      if (!same)
+        pairs->partner[used++] = j;
+    }
+    begin = end;
+    pairs->start[i + 1] = used;
+  }
+  return PART_OK;
+}

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Life of a dem_t, its materials and contacts, and the small queries. */
+#include "internal.h"
+
+static const char *const stage_names[DEM_STAGE_COUNT] = {"integrate",  "contact", "walls",
+                                                         "neighbours", "ghosts",  "blocks"};
+
+static int create_parts(dem_t *dem, MPI_Comm comm, const part_box *box)
+{
+  if (MPI_Comm_dup(comm, &dem->comm) != MPI_SUCCESS)
+    return part_fail(PART_ERR_MPI, "the communicator cannot be duplicated");
+  MPI_Comm_rank(dem->comm, &dem->rank);
+  MPI_Comm_size(dem->comm, &dem->ranks);
+  dem->box = *box;
+  PART_TRY(part_domain_create(dem->comm, box, &dem->domain));
+  PART_TRY(part_store_create(&dem_layout, &dem->store));
+  PART_TRY(part_timers_create(&dem->timers));
+  for (int s = 0; s < DEM_STAGE_COUNT; s++)
+    PART_TRY(part_timers_stage(dem->timers, stage_names[s], &dem->stage[s]));
+  return PART_OK;
+}
+
+int dem_create(MPI_Comm comm, const part_box *box, const dem_params *params, dem_t **result)
+{
+  dem_t *dem = NULL;
+  *result = NULL;
+  PART_TRY(part_params_check(&dem_params_table, params));
+  if (params->ramp_time > 0.0 && !(params->ramp_fluid_density > 0.0))
+    return part_fail(PART_ERR_RANGE,
+                     "%s: entry rampFluidDensity must be given and positive with rampTime %g s",
+                     dem_params_table.name, params->ramp_time);
+  PART_TRY(dem_allocate(1, sizeof *dem, &dem));
+  dem->params = *params;
+  dem->comm = MPI_COMM_NULL;
+  const int status = create_parts(dem, comm, box);
+  if (status != PART_OK) {
+    dem_destroy(dem);
+    return status;
+  }
+  dem->stable_step = HUGE_VAL;
+  *result = dem;
+  return PART_OK;
+}
+
+void dem_destroy(dem_t *dem)
+{
+  if (dem == NULL)
+    return;
+  if (dem->pairs != NULL)
+    part_pairs_destroy(dem->pairs);
+  if (dem->store != NULL)
+    part_store_destroy(dem->store);
+  if (dem->domain != NULL)
+    part_domain_destroy(dem->domain);
+  if (dem->timers != NULL)
+    part_timers_destroy(dem->timers);
+  dem_walls_free(&dem->walls);
+  free(dem->material);
+  free(dem->given);
+  free(dem->coefs);
+  free(dem->seed);
+  free(dem->block);
+  free(dem->block_gravity);
+  free(dem->mass_of);
+  free(dem->gravity_now);
+  free(dem->x_built);
+  free(dem->kept_count);
+  free(dem->kept);
+  if (dem->comm != MPI_COMM_NULL)
+    MPI_Comm_free(&dem->comm);
+  free(dem);
+}
+
+static int not_started(const dem_t *dem, const char *call)
+{
+  if (dem->started)
+    return part_fail(PART_ERR_STATE, "%s comes before dem_start", call);
+  return PART_OK;
+}
+
+int dem_add_material(dem_t *dem, const dem_material *material, int *number)
+{
+  PART_TRY(not_started(dem, "dem_add_material"));
+  if (memchr(material->name, '\0', sizeof material->name) == NULL || material->name[0] == '\0')
+    return part_fail(PART_ERR_ARGUMENT, "a material needs a name of 1 to %d characters",
+                     PART_PARAM_WORD_LENGTH - 1);
+  if (part_params_check(&dem_material_table, material) != PART_OK)
+    return part_fail_context(PART_ERR_RANGE, "material %s", material->name);
+  for (int m = 0; m < dem->materials; m++)
+    if (strcmp(dem->material[m].name, material->name) == 0)
+      return part_fail(PART_ERR_ARGUMENT, "material %s is given twice", material->name);
+  dem_material *more =
+      realloc(dem->material, ((size_t)dem->materials + 1) * sizeof *dem->material);
+  if (more == NULL)
+    return part_fail(PART_ERR_MEMORY, "no memory for material %s", material->name);
+  dem->material = more;
+  dem->material[dem->materials] = *material;
+  if (number != NULL)
+    *number = dem->materials;
+  dem->materials++;
+  return PART_OK;
+}
+
+int dem_find_material(const dem_t *dem, const char *name, int *number)
+{
+  const char **names = NULL;
+  for (int m = 0; m < dem->materials; m++)
+    if (strcmp(dem->material[m].name, name) == 0) {
+      *number = m;
+      return PART_OK;
+    }
+  PART_TRY(dem_allocate((size_t)dem->materials, sizeof *names, &names));
+  for (int m = 0; m < dem->materials; m++)
+    names[m] = dem->material[m].name;
+  const char *near = part_nearest_name(name, dem->materials, names);
+  const int status = part_fail(PART_ERR_ARGUMENT, "there is no material '%s'%s%s%s", name,
+                               near != NULL ? "; did you mean '" : "", near != NULL ? near : "",
+                               near != NULL ? "'?" : "");
+  free(names);
+  return status;
+}
+
+int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact)
+{
+  PART_TRY(not_started(dem, "dem_set_contact"));
+  PART_TRY(part_params_check(&dem_contact_table, contact));
+  const int every = a == -1 && b == -1;
+  if (!every && (a < 0 || b < 0 || a >= dem->materials || b >= dem->materials))
+    return part_fail(PART_ERR_RANGE,
+                     "contact of materials %d and %d: numbers are 0 to %d, or -1 and -1 for all", a,
+                     b, dem->materials - 1);
+  dem_given_contact *more =
+      realloc(dem->given, ((size_t)dem->given_contacts + 1) * sizeof *dem->given);
+  if (more == NULL)
+    return part_fail(PART_ERR_MEMORY, "no memory for contact %d", dem->given_contacts);
+  dem->given = more;
+  dem->given[dem->given_contacts++] = (dem_given_contact){a, b, *contact};
+  return PART_OK;
+}
+
+part_store *dem_store(dem_t *dem) { return dem->store; }
+long long dem_generation(const dem_t *dem) { return dem->generation; }
+double dem_time(const dem_t *dem) { return dem->time; }
+void dem_set_time(dem_t *dem, double time) { dem->time = time; }
+double dem_stable_step(const dem_t *dem) { return dem->stable_step; }
+part_timers *dem_timers(dem_t *dem) { return dem->timers; }
+
+int dem_block_state(dem_t *dem, int block, double position[3], double velocity[3])
+{
+  if (!dem->started)
+    return part_fail(PART_ERR_STATE, "dem_block_state comes after dem_start");
+  if (block < 0 || block >= dem->blocks || dem->block[block].members == 0)
+    return part_fail(PART_ERR_RANGE, "there is no block %d", block);
+  memcpy(position, dem->block[block].x, 3 * sizeof(double));
+  memcpy(velocity, dem->block[block].v, 3 * sizeof(double));
+  return PART_OK;
+}

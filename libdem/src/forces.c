@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* All contact forces at the present positions, and what walls and supports give. */
+#include "internal.h"
+
+static void support_force(dem_t *dem)
+{
+  /* What fixed particles feel from contacts comes from movable ones only (fixed pairs are not
+   * listed), so the movable ones feel its negative. */
+  const double *ft = dem_ft(dem);
+  for (int c = 0; c < 3; c++)
+    dem->support_force[c] = 0.0;
+  if (dem->plan.all_free)
+    return;
+  for (int i = 0; i < dem->store->local; i++)
+    if (dem_kind_of(dem, i) == DEM_FIXED)
+      for (int c = 0; c < 3; c++)
+        dem->support_force[c] -= ft[DEM_FT * (size_t)i + (size_t)c];
+}
+
+int dem_forces(dem_t *dem, double dt)
+{
+  memset(dem_ft(dem), 0, (size_t)dem->store->local * DEM_FT * sizeof(double));
+  if (dem->plan.pairs) {
+    part_timers_start(dem->timers, dem->stage[DEM_STAGE_CONTACT]);
+    dem_pair_forces(dem, dt);
+    part_timers_stop(dem->timers, dem->stage[DEM_STAGE_CONTACT]);
+  }
+  for (int c = 0; c < 3; c++)
+    dem->wall_force[c] = 0.0;
+  if (dem->plan.walls) {
+    part_timers_start(dem->timers, dem->stage[DEM_STAGE_WALLS]);
+    dem_wall_forces(dem, dt);
+    part_timers_stop(dem->timers, dem->stage[DEM_STAGE_WALLS]);
+  }
+  support_force(dem);
+  if (dem->plan.blocks) {
+    part_timers_start(dem->timers, dem->stage[DEM_STAGE_BLOCKS]);
+    PART_TRY(dem_blocks_forces(dem));
+    part_timers_stop(dem->timers, dem->stage[DEM_STAGE_BLOCKS]);
+  }
+  return PART_OK;
+}

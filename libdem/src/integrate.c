@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Time integration of free particles: velocity Verlet with the linear fluid force in closed form.
+ *
+ * Half a step with the contact force of the beginning (kick), the displacement of the whole step
+ * with it (drift), contact forces at the new positions, half a step with those (kick). Between
+ * contacts the forces are constant and any step is exact; without drag it is velocity Verlet. The
+ * fluid's impulse is what changed the momentum beside contact and gravity. */
+#include "flow.h"
+#include "internal.h"
+
+/* Integral of xi(t) from 0 to t, Markauskas et al. 2017 eq. 4; xi = 1 after the ramp. */
+static double ramp_integral(double ramp, double t)
+{
+  const double pi = 3.14159265358979323846;
+  if (t <= 0.0)
+    return 0.0;
+  const double end = t < ramp ? t : ramp;
+  return 0.5 * (end - ramp / pi * sin(pi * end / ramp)) + (t > ramp ? t - ramp : 0.0);
+}
+
+double dem_gravity_factor(const dem_t *dem, int material, double t, double h)
+{
+  const double ramp = dem->params.ramp_time;
+  if (!(ramp > 0.0) || t >= ramp || !(h > 0.0))
+    return 1.0;
+  /* Eq. 3 over the weight: rho_f/rho_s + (1 - rho_f/rho_s) xi, mean over the interval. */
+  const double ratio = dem->params.ramp_fluid_density / dem->material[material].density;
+  const double xi = (ramp_integral(ramp, t + h) - ramp_integral(ramp, t)) / h;
+  return ratio + (1.0 - ratio) * xi;
+}
+
+typedef struct kick_step {
+  double h;       /* s, of the kick */
+  double drift_h; /* s, of the displacement; 0: kick only */
+  const double *gravity; /* [materials][3] m/s2 */
+} kick_step;
+
+/* One particle without fluid force. */
+static inline void move_dry(const kick_step *step, double *x, double *v, const double *f)
+{
+  const double *g = step->gravity + 3 * (int)v[7];
+  for (int c = 0; c < 3; c++)
+    v[c] += step->h * (f[c] * v[3] + g[c]);
+  if (step->drift_h > 0.0)
+    for (int c = 0; c < 3; c++)
+      x[c] += step->drift_h * v[c];
+}
+
+/* One particle in a fluid: Su = fluid[0..2], Sp = fluid[3], impulse = fluid[4..6]. */
+static inline void move_wet(const kick_step *step, double *x, double *v, const double *f,
+                            double *fluid)
+{
+  const double *g = step->gravity + 3 * (int)v[7], w = v[3], h = step->h, big = step->drift_h;
+  const dem_flow half = dem_flow_of(fluid[3] * w * h);
+  const dem_flow whole = dem_flow_of(fluid[3] * w * big);
+  for (int c = 0; c < 3; c++) {
+    const double a = f[c] * w + g[c], s = fluid[c] * w;
+    if (big > 0.0)
+      x[c] += v[c] * big * whole.phi1 + (a + s) * big * big * whole.phi2;
+    /* phi1 - 1 = -b phi2: what drag takes of the gain by contact and gravity. */
+    const double by_fluid =
+        s * h * half.phi1 - v[c] * half.lost - a * h * (fluid[3] * w * h) * half.phi2;
+    v[c] += a * h + by_fluid;
+    fluid[4 + c] += by_fluid / w;
+  }
+}
+
+static void kick(dem_t *dem, double t, double h, double drift_h, int fluid)
+{
+  double *xr = dem_xr(dem), *vm = dem_vm(dem), *fl = dem_fluid(dem);
+  double *gravity = dem->gravity_now;
+  const double *ft = dem_ft(dem);
+  const kick_step step = {h, drift_h, gravity};
+  for (int m = 0; m < dem->materials; m++) {
+    const double factor = dem_gravity_factor(dem, m, t, h);
+    for (int c = 0; c < 3; c++)
+      gravity[3 * m + c] = factor * dem->params.gravity[c];
+    dem_sum_add(&dem->gravity_impulse, &gravity[3 * m], dem->mass_of[m] * h);
+  }
+  for (int i = 0; i < dem->store->local; i++) {
+    double *x = xr + DEM_XR * (size_t)i, *v = vm + DEM_VM * (size_t)i;
+    const double *f = ft + DEM_FT * (size_t)i;
+    if (!dem->plan.all_free && dem_kind_of(dem, i) != DEM_FREE)
+      continue;
+    if (fluid)
+      move_wet(&step, x, v, f, fl + DEM_FLUID * (size_t)i);
+    else
+      move_dry(&step, x, v, f);
+    if (dem->plan.tangential) {
+      /* I = 2/5 m r^2 */
+      const double turn = 2.5 * h * v[3] / (x[3] * x[3]);
+      for (int c = 4; c < 7; c++)
+        v[c] += turn * f[c];
+    }
+  }
+}
+
+void dem_free_kick_drift(dem_t *dem, double t, double h, int fluid)
+{
+  part_timers_start(dem->timers, dem->stage[DEM_STAGE_INTEGRATE]);
+  kick(dem, t, 0.5 * h, h, fluid);
+  part_timers_stop(dem->timers, dem->stage[DEM_STAGE_INTEGRATE]);
+}
+
+void dem_free_kick(dem_t *dem, double t, double h, int fluid)
+{
+  part_timers_start(dem->timers, dem->stage[DEM_STAGE_INTEGRATE]);
+  kick(dem, t, 0.5 * h, 0.0, fluid);
+  part_timers_stop(dem->timers, dem->stage[DEM_STAGE_INTEGRATE]);
+}

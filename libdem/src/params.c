@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Tables made from the .def lists: particle fields, parameters, names of laws and kinds. */
+#include "internal.h"
+
+static const part_record record_rows[] = {
+#define DEM_RECORD(name, type, width) {#name, type, width},
+#define DEM_FIELD(name, key, record, offset, comps, flags, unit, meaning)
+#include "dem/particle_fields.def"
+#undef DEM_RECORD
+#undef DEM_FIELD
+};
+
+static const part_field field_rows[] = {
+#define DEM_RECORD(name, type, width)
+#define DEM_FIELD(name, key, record, offset, comps, flags, unit, meaning)                          \
+  {key, DEM_RECORD_##record, offset, comps, flags, unit, meaning},
+#include "dem/particle_fields.def"
+#undef DEM_RECORD
+#undef DEM_FIELD
+};
+
+const part_layout dem_layout = {DEM_RECORD_COUNT, record_rows, DEM_FIELD_COUNT, field_rows,
+                                DEM_FIELD_ID};
+
+static const char *const dem_law_names[] = {
+#define DEM_LAW(name, key, meaning) key,
+#include "dem/contact_laws.def"
+#undef DEM_LAW
+    NULL};
+static const char *const dem_insert_methods[] = {"lattice", "random", "file", NULL};
+static const char *const dem_kinds[] = {"free", "fixed", "block", NULL};
+
+#define DEM_DIMS(kg, m, s) {kg, m, s, 0, 0, 0, 0}
+#define DEM_THREE(a, b, c) {a, b, c}
+#define DEM_PARAM(key, type, member, dims, required, def, low, high, low_open, high_open, choices, \
+                  word, meaning)                                                                   \
+  {key, PART_PARAM_##type, offsetof(struct DEM_STRUCT, member), dims, required, def, low, high,    \
+   low_open, high_open, choices, word, meaning},
+
+static const part_param params_rows[] = {
+#define DEM_STRUCT dem_params
+#include "dem/main_params.def"
+#undef DEM_STRUCT
+};
+static const part_param material_rows[] = {
+#define DEM_STRUCT dem_material
+#include "dem/material_params.def"
+#undef DEM_STRUCT
+};
+static const part_param contact_rows[] = {
+#define DEM_STRUCT dem_contact
+#include "dem/contact_params.def"
+#undef DEM_STRUCT
+};
+static const part_param insert_rows[] = {
+#define DEM_STRUCT dem_insert
+#include "dem/insert_params.def"
+#undef DEM_STRUCT
+};
+
+#define DEM_TABLE(name, rows) {name, (int)(sizeof rows / sizeof rows[0]), rows}
+const part_param_table dem_params_table = DEM_TABLE("demProperties", params_rows);
+const part_param_table dem_material_table = DEM_TABLE("material", material_rows);
+const part_param_table dem_contact_table = DEM_TABLE("contact", contact_rows);
+const part_param_table dem_insert_table = DEM_TABLE("insert", insert_rows);

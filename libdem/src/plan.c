@@ -1,0 +1,181 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The scene plan: what is there, what can touch, what can be left out, and the stable step. */
+#include <stdio.h>
+
+#include "internal.h"
+#include "laws.h"
+
+/* What one material is part of; sums and maxima over ranks. */
+typedef struct presence {
+  double free, fixed, blocks; /* numbers of bodies; fixed particles are one body */
+  double lightest;            /* 1/kg, largest inverse mass of a movable body */
+} presence;
+
+typedef struct scene {
+  double free, fixed, blocks, r_max, r_sum;
+  presence *of; /* [materials] */
+} scene;
+
+static int survey(const dem_t *dem, scene *s)
+{
+  const int n = dem->materials;
+  double sum[2] = {0.0, 0.0}, *most;
+  PART_TRY(dem_allocate(4 * (size_t)n + 2, sizeof *most, &most));
+  for (int i = 0; i < dem->store->local; i++) {
+    const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3];
+    const int m = dem_material_of(dem, i), kind = dem_kind_of(dem, i);
+    sum[0] += r;
+    sum[1] += kind == DEM_FREE;
+    most[0] = fmax(most[0], r);
+    most[1] = fmax(most[1], kind == DEM_FIXED);
+    most[2 + 4 * m] += kind == DEM_FREE;
+    most[3 + 4 * m] = fmax(most[3 + 4 * m], kind == DEM_FIXED);
+    most[4 + 4 * m] = fmax(most[4 + 4 * m], dem_vm(dem)[DEM_VM * (size_t)i + 3]);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, dem->comm);
+  for (int m = 0; m < n; m++) { /* two are as good as any number of free ones, on any ranks */
+    double count = most[2 + 4 * m];
+    MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_DOUBLE, MPI_SUM, dem->comm);
+    most[2 + 4 * m] = count;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, most, 4 * n + 2, MPI_DOUBLE, MPI_MAX, dem->comm);
+  *s = (scene){sum[1], most[1], 0.0, most[0], sum[0], s->of};
+  for (int m = 0; m < n; m++)
+    s->of[m] = (presence){most[2 + 4 * m], most[3 + 4 * m], 0.0, most[4 + 4 * m]};
+  for (int b = 0; b < dem->blocks; b++) {
+    s->blocks += dem->block[b].members > 0;
+    for (int m = 0; m < n; m++)
+      s->of[m].blocks += dem->block_gravity[b * n + m] > 0.0;
+  }
+  free(most);
+  return PART_OK;
+}
+
+static int set_coefs(dem_t *dem)
+{
+  const int n = dem->materials;
+  PART_TRY(dem_allocate((size_t)n * (size_t)n, sizeof *dem->coefs, &dem->coefs));
+  for (int k = 0; k < n * n; k++)
+    dem->coefs[k].law = -1;
+  for (int every = 1; every >= 0; every--) /* the general one first, the particular ones over it */
+    for (int k = 0; k < dem->given_contacts; k++) {
+      const dem_given_contact *g = &dem->given[k];
+      if ((g->a == -1) != every)
+        continue;
+      for (int p = 0; p < n * n; p++)
+        if (every || (p / n == g->a && p % n == g->b) || (p / n == g->b && p % n == g->a))
+          dem_laws_coefs(&g->contact, &dem->coefs[p]);
+    }
+  return PART_OK;
+}
+
+/* Shortest time over contacts that can happen; ERR_RANGE when one of them is not given. */
+static int contact_of(dem_t *dem, int a, int b, double inverse_mass, int can_happen, double *least)
+{
+  const dem_coefs *coefs = &dem->coefs[a * dem->materials + b];
+  if (!(inverse_mass > 0.0))
+    return PART_OK;
+  if (coefs->law < 0)
+    return !can_happen ? PART_OK
+                       : part_fail(PART_ERR_RANGE, "no contact is given for materials %s and %s",
+                                   dem->material[a].name, dem->material[b].name);
+  *least = fmin(*least, dem_laws_time(coefs, inverse_mass));
+  dem->plan.tangential |= coefs->mu > 0.0;
+  return PART_OK;
+}
+
+static int walk_contacts(dem_t *dem, const scene *s, int pairs, double *least)
+{
+  const int all = !dem->params.skip;
+  for (int a = 0; a < dem->materials; a++)
+    for (int b = 0; b <= a; b++) {
+      const presence *p = &s->of[a], *q = &s->of[b];
+      const double bodies = p->free + p->fixed + p->blocks, others = q->free + q->fixed + q->blocks;
+      const int can = pairs && (a == b ? bodies >= 2.0 : bodies > 0.0 && others > 0.0);
+      if (can || all)
+        PART_TRY(contact_of(dem, a, b, p->lightest + q->lightest, can, least));
+    }
+  for (int w = 0; w < dem->walls.count; w++)
+    for (int a = 0; a < dem->materials; a++)
+      PART_TRY(contact_of(dem, a, dem->walls.wall[w].material, s->of[a].lightest, 1, least));
+  return PART_OK;
+}
+
+static int work_out(dem_t *dem, const scene *s)
+{
+  dem_plan *plan = &dem->plan;
+  const int all = !dem->params.skip, movable = s->free + s->blocks > 0.0;
+  const int pairs = movable && s->free + s->blocks + s->fixed >= 2.0;
+  double least = HUGE_VAL;
+  dem->r_max = s->r_max;
+  if (!dem->restored) /* a sum over ranks has other bits on other ranks: the file has it */
+    dem->r_mean = s->r_sum / (double)dem->total;
+  dem->skin = dem->params.skin_fraction * dem->r_mean;
+  PART_TRY(set_coefs(dem));
+  plan->tangential = all;
+  PART_TRY(walk_contacts(dem, s, pairs, &least));
+  dem->stable_step = dem->params.time_step_fraction * least;
+  plan->pairs = pairs || all;
+  plan->walls = dem->walls.count > 0 && (movable || all);
+  plan->horizon = !all;
+  plan->blocks = s->blocks > 0.0;
+  plan->all_free = s->fixed + s->blocks == 0.0;
+  plan->movable = movable;
+  return PART_OK;
+}
+
+int dem_make_plan(dem_t *dem)
+{
+  scene s = {0};
+  int status = dem_allocate((size_t)dem->materials, sizeof *s.of, &s.of);
+  PART_TRY(part_agree(dem->comm, status));
+  status = survey(dem, &s);
+  if (status == PART_OK)
+    status = work_out(dem, &s);
+  free(s.of);
+  return part_agree(dem->comm, status);
+}
+
+static int add_line(size_t size, char *text, const char *what, const char *why, const char *saves)
+{
+  const size_t used = strlen(text);
+  const int n = snprintf(text + used, size - used, "%s | %s | %s\n", what, why, saves);
+  return n >= 0 && (size_t)n < size - used
+             ? PART_OK
+             : part_fail(PART_ERR_RANGE, "the scene plan needs more than %zu characters", size);
+}
+
+int dem_plan_text(const dem_t *dem, size_t size, char *text)
+{
+  const dem_plan *plan = &dem->plan;
+  if (size == 0)
+    return part_fail(PART_ERR_RANGE, "the scene plan needs room");
+  text[0] = '\0';
+  if (!dem->started)
+    return part_fail(PART_ERR_STATE, "dem_plan_text comes after dem_start");
+  if (!dem->params.skip)
+    return add_line(size, text, "nothing skipped", "skip is off", "-");
+  if (!plan->tangential)
+    PART_TRY(add_line(size, text, "rotation and tangential history", "no friction in any contact",
+                      "half of the contact law, 24 bytes a pair"));
+  if (!plan->pairs)
+    PART_TRY(add_line(size, text, "neighbour lists and ghosts",
+                      plan->movable ? "one body alone" : "nothing moves", "all of pair contact"));
+  if (!plan->walls)
+    PART_TRY(add_line(size, text, "wall contact",
+                      plan->movable ? "there are no walls" : "nothing moves",
+                      "all of wall contact"));
+  else
+    PART_TRY(add_line(size, text, "walls for far particles",
+                      "no wall within the skin when lists were built",
+                      "wall contact of these particles"));
+  if (!plan->movable)
+    PART_TRY(add_line(size, text, "time integration", "nothing moves", "all of it"));
+  else if (isinf(dem->stable_step))
+    PART_TRY(add_line(size, text, "contact substeps", "nothing can touch",
+                      "one substep an advance"));
+  else
+    PART_TRY(add_line(size, text, "contact substeps before a contact can happen",
+                      "bound on gap over way", "all but one substep of such an advance"));
+  return PART_OK;
+}

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Neighbour lists: when they are made again, and how everything comes along. */
+#include "internal.h"
+
+/* Own particles of the largest rank above the mean before balancing is worth it. */
+static const double worth_balancing = 16.0;
+
+/* New parts when the load has drifted. Depends on the positions alone, so that a restarted run
+ * decides alike. */
+static int balance_parts(dem_t *dem, int balance)
+{
+  double ratio;
+  if (dem->ranks == 1)
+    return PART_OK;
+  PART_TRY(part_domain_imbalance(dem->domain, dem->store, &ratio));
+  const double mean = (double)dem->total / dem->ranks;
+  if (balance || (ratio > dem->params.balance_ratio && (ratio - 1.0) * mean > worth_balancing))
+    PART_TRY(part_domain_balance(dem->domain, dem->store, NULL));
+  return PART_OK;
+}
+
+static int make_pairs(dem_t *dem, const int *count, const void *payload)
+{
+  PART_TRY(part_pairs_build(dem->pairs, dem->store, DEM_FIELD_RADIUS, dem->skin));
+  PART_TRY(dem_pair_list_filter(dem));
+  if (dem->plan.tangential && payload != NULL)
+    PART_TRY(part_pairs_scatter(dem->pairs, dem->store, count, payload));
+  return PART_OK;
+}
+
+/* Own masses per material, and the positions that the lists belong to. */
+static int note_state(dem_t *dem)
+{
+  const double *xr = dem_xr(dem);
+  free(dem->x_built);
+  dem->x_built = NULL;
+  PART_TRY(dem_allocate(3 * (size_t)dem->store->local, sizeof *dem->x_built, &dem->x_built));
+  for (int m = 0; m < dem->materials; m++)
+    dem->mass_of[m] = 0.0;
+  for (int i = 0; i < dem->store->local; i++) {
+    memcpy(dem->x_built + 3 * (size_t)i, xr + DEM_XR * (size_t)i, 3 * sizeof(double));
+    if (dem_kind_of(dem, i) == DEM_FREE)
+      dem->mass_of[dem_material_of(dem, i)] += 1.0 / dem_vm(dem)[DEM_VM * (size_t)i + 3];
+  }
+  dem->travel = 0.0;
+  return PART_OK;
+}
+
+static int make_lists(dem_t *dem, const int *count, const void *payload)
+{
+  if (dem->plan.pairs)
+    PART_TRY(make_pairs(dem, count, payload));
+  if (dem->plan.walls)
+    PART_TRY(dem_walls_list(dem, count, payload));
+  return note_state(dem);
+}
+
+static int rebuild(dem_t *dem, int balance, int **count, void **payload)
+{
+  int status = PART_OK;
+  const double reach = 2.0 * dem->r_max + dem->skin;
+  if (*count == NULL && dem->plan.tangential)
+    status = dem_history_gather(dem, count, payload);
+  PART_TRY(part_agree(dem->comm, status));
+  PART_TRY(balance_parts(dem, balance));
+  if (*count == NULL) {
+    PART_TRY(part_domain_migrate(dem->domain, dem->store, 0, NULL, NULL));
+    status = part_sort_by_cell(dem->store, &dem->box, reach);
+  } else {
+    PART_TRY(part_domain_migrate(dem->domain, dem->store, sizeof(dem_entry), count, payload));
+    status = dem_history_sort(dem, reach, *count, *payload);
+  }
+  PART_TRY(part_agree(dem->comm, status));
+  if (dem->plan.pairs)
+    PART_TRY(part_domain_ghosts(dem->domain, dem->store, reach));
+  return part_agree(dem->comm, make_lists(dem, *count, *payload));
+}
+
+int dem_rebuild(dem_t *dem, int balance, int *count, void *payload)
+{
+  part_timers_start(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
+  const int status = rebuild(dem, balance, &count, &payload);
+  part_timers_stop(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
+  free(count);
+  free(payload);
+  dem->generation++;
+  dem->rebuilds++;
+  return status;
+}
+
+/* Largest displacement of an own particle since the lists were built; NaN when there is one. */
+static double moved(const dem_t *dem)
+{
+  const double *xr = dem_xr(dem);
+  double most = 0.0;
+  for (int i = 0; i < dem->store->local; i++) {
+    const double *x = xr + DEM_XR * (size_t)i, *b = dem->x_built + 3 * (size_t)i;
+    const double d[3] = {x[0] - b[0], x[1] - b[1], x[2] - b[2]};
+    const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    if (!(d2 <= most))
+      most = d2;
+    if (isnan(d2))
+      break;
+  }
+  return sqrt(most);
+}
+
+int dem_refresh(dem_t *dem)
+{
+  /* Lists hold until one particle has moved half the skin. Without lists only periodic wrapping and
+   * the errors of migration are left, which can wait for a radius. */
+  const double limit = dem->plan.pairs || dem->plan.walls ? 0.5 * dem->skin : dem->r_mean;
+  part_timers_start(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
+  double travel = moved(dem);
+  if (!(travel <= limit))
+    travel = HUGE_VAL; /* NaN is not passed on reliably by MPI_MAX */
+  if (dem->ranks > 1)
+    MPI_Allreduce(MPI_IN_PLACE, &travel, 1, MPI_DOUBLE, MPI_MAX, dem->comm);
+  dem->travel = travel;
+  part_timers_stop(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
+  if (!(travel <= limit))
+    return dem_rebuild(dem, 0, NULL, NULL);
+  if (!dem->plan.pairs)
+    return PART_OK;
+  part_timers_start(dem->timers, dem->stage[DEM_STAGE_GHOSTS]);
+  const int status = part_domain_update_ghosts(dem->domain, dem->store);
+  part_timers_stop(dem->timers, dem->stage[DEM_STAGE_GHOSTS]);
+  return status;
+}

@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Files: what dem_write adds to the particles, and how dem_read takes it up again. On the same
+ * number of ranks the run goes on bit for bit; on another the decomposition is new and the sums of
+ * all ranks of the writing run go to rank 0. */
+#include "internal.h"
+#include "particle/vtkhdf.h"
+
+enum { STATE_VALUES = 12, BLOCK_VALUES = 11, BUDGET_VALUES = 33 };
+
+static void pack_state(const dem_t *dem, double value[STATE_VALUES])
+{
+  const double packed[STATE_VALUES] = {dem->time,
+                                       dem->r_mean,
+                                       (double)dem->total,
+                                       (double)dem->materials,
+                                       (double)dem->walls.elements,
+                                       (double)dem->blocks,
+                                       (double)dem->substeps,
+                                       (double)dem->rebuilds,
+                                       (double)dem->generation,
+                                       (double)dem->ranks,
+                                       0.0,
+                                       0.0};
+  memcpy(value, packed, sizeof packed);
+}
+
+static void pack_sum(const dem_sum *sum, double **to)
+{
+  memcpy(*to, sum->value, sizeof sum->value);
+  memcpy(*to + 3, sum->lost, sizeof sum->lost);
+  *to += 6;
+}
+
+static void unpack_sum(dem_sum *sum, const double **from)
+{
+  for (int c = 0; c < 3; c++) {
+    sum->value[c] += (*from)[c];
+    sum->lost[c] += (*from)[3 + c];
+  }
+  *from += 6;
+}
+
+static void pack_budget(const dem_t *dem, double value[BUDGET_VALUES])
+{
+  double *to = value;
+  pack_sum(&dem->wall_impulse, &to);
+  pack_sum(&dem->support_impulse, &to);
+  pack_sum(&dem->gravity_impulse, &to);
+  pack_sum(&dem->fluid_impulse, &to);
+  memcpy(to, dem->initial_momentum, 3 * sizeof(double));
+  memcpy(to + 3, dem->wall_force, 3 * sizeof(double));
+  memcpy(to + 6, dem->support_force, 3 * sizeof(double));
+}
+
+/* Adds, so that several ranks of the writing run can be taken in one after the other. */
+static void unpack_budget(dem_t *dem, const double *from)
+{
+  unpack_sum(&dem->wall_impulse, &from);
+  unpack_sum(&dem->support_impulse, &from);
+  unpack_sum(&dem->gravity_impulse, &from);
+  unpack_sum(&dem->fluid_impulse, &from);
+  for (int c = 0; c < 3; c++) {
+    dem->initial_momentum[c] += from[c];
+    dem->wall_force[c] += from[3 + c];
+    dem->support_force[c] += from[6 + c];
+  }
+}
+
+/* [blocks][BLOCK_VALUES], then [blocks][materials] masses. */
+static int pack_blocks(const dem_t *dem, double **values, int *n)
+{
+  *n = dem->blocks * (BLOCK_VALUES + dem->materials);
+  PART_TRY(dem_allocate((size_t)*n, sizeof **values, values));
+  for (int b = 0; b < dem->blocks; b++) {
+    const dem_block *block = &dem->block[b];
+    double *to = *values + BLOCK_VALUES * b;
+    to[0] = (double)block->members;
+    to[1] = block->mass;
+    memcpy(to + 2, block->x, 3 * sizeof(double));
+    memcpy(to + 5, block->v, 3 * sizeof(double));
+    memcpy(to + 8, block->force, 3 * sizeof(double));
+  }
+  if (dem->blocks > 0)
+    memcpy(*values + BLOCK_VALUES * dem->blocks, dem->block_gravity,
+           (size_t)(dem->blocks * dem->materials) * sizeof(double));
+  return PART_OK;
+}
+
+static int unpack_blocks(dem_t *dem, const double *from)
+{
+  PART_TRY(dem_allocate((size_t)dem->blocks, sizeof *dem->block, &dem->block));
+  PART_TRY(dem_allocate((size_t)(dem->blocks * dem->materials), sizeof *dem->block_gravity,
+                        &dem->block_gravity));
+  for (int b = 0; b < dem->blocks; b++, from += BLOCK_VALUES) {
+    dem_block *block = &dem->block[b];
+    block->members = (int64_t)from[0];
+    block->mass = from[1];
+    memcpy(block->x, from + 2, 3 * sizeof(double));
+    memcpy(block->v, from + 5, 3 * sizeof(double));
+    memcpy(block->force, from + 8, 3 * sizeof(double));
+  }
+  if (dem->blocks > 0)
+    memcpy(dem->block_gravity, from, (size_t)(dem->blocks * dem->materials) * sizeof(double));
+  return PART_OK;
+}
+
+/* History as records {id, number of entries} followed by the entries. */
+typedef struct history_head {
+  int64_t id, count;
+} history_head;
+
+static int pack_history(const dem_t *dem, size_t *size, unsigned char **bytes)
+{
+  int *count;
+  void *payload;
+  *size = 0;
+  *bytes = NULL;
+  PART_TRY(dem_history_gather(dem, &count, &payload));
+  for (int i = 0; i < dem->store->local; i++)
+    if (count[i] > 0)
+      *size += sizeof(history_head) + (size_t)count[i] * sizeof(dem_entry);
+  const int status = dem_allocate(*size, 1, bytes);
+  const unsigned char *from = payload;
+  unsigned char *to = *bytes;
+  for (int i = 0; status == PART_OK && i < dem->store->local; i++) {
+    const history_head head = {dem_id(dem, i), count[i]};
+    const size_t length = (size_t)count[i] * sizeof(dem_entry);
+    if (count[i] == 0)
+      continue;
+    memcpy(to, &head, sizeof head);
+    memcpy(to + sizeof head, from, length);
+    to += sizeof head + length;
+    from += length;
+  }
+  free(count);
+  free(payload);
+  return status;
+}
+
+static int by_id(const void *a, const void *b)
+{
+  history_head x, y;
+  memcpy(&x, *(const unsigned char *const *)a, sizeof x);
+  memcpy(&y, *(const unsigned char *const *)b, sizeof y);
+  return (x.id > y.id) - (x.id < y.id);
+}
+
+/* Pointers to the records, sorted by id. ERR_FORMAT when the lengths do not fit. */
+static int index_history(const unsigned char *bytes, size_t size, const unsigned char ***record,
+                         size_t *records)
+{
+  size_t capacity = 0;
+  history_head head;
+  *records = 0;
+  for (size_t at = 0; at < size;) {
+    if (size - at >= sizeof head)
+      memcpy(&head, bytes + at, sizeof head);
+    if (size - at < sizeof head || head.count < 0 ||
+        (size_t)head.count > (size - at - sizeof head) / sizeof(dem_entry))
+      return part_fail(PART_ERR_FORMAT, "contact history is cut short");
+    PART_TRY(dem_grow(*records + 1, sizeof **record, &capacity, record));
+    (*record)[(*records)++] = bytes + at;
+    at += sizeof head + (size_t)head.count * sizeof(dem_entry);
+  }
+  if (*records > 1)
+    qsort(*record, *records, sizeof **record, by_id);
+  return PART_OK;
+}
+
+/* History of own particles from all records, into kept_count and kept. */
+static int take_history(dem_t *dem, const unsigned char **record, size_t records)
+{
+  size_t used = 0, capacity = 0;
+  dem_entry *entry = NULL;
+  PART_TRY(dem_allocate((size_t)dem->store->local, sizeof *dem->kept_count, &dem->kept_count));
+  for (int i = 0; i < dem->store->local; i++) {
+    const history_head wanted = {dem_id(dem, i), 0};
+    const unsigned char *key = (const unsigned char *)&wanted;
+    const unsigned char **found =
+        records > 0 ? bsearch(&key, record, records, sizeof *record, by_id) : NULL;
+    history_head head = {0, 0};
+    if (found != NULL)
+      memcpy(&head, *found, sizeof head);
+    dem->kept_count[i] = (int)head.count;
+    PART_TRY(dem_grow(used + (size_t)head.count + 1, sizeof *entry, &capacity, &entry));
+    dem->kept = entry;
+    if (found != NULL)
+      memcpy(entry + used, *found + sizeof head, (size_t)head.count * sizeof *entry);
+    used += (size_t)head.count;
+  }
+  return PART_OK;
+}
+
+static int unpack_history(dem_t *dem, const unsigned char *bytes, size_t size)
+{
+  const unsigned char **record = NULL;
+  size_t records = 0;
+  int status = index_history(bytes, size, &record, &records);
+  if (status == PART_OK)
+    status = take_history(dem, record, records);
+  free(record);
+  return status;
+}
+
+/* ---- writing --------------------------------------------------------------------------------- */
+static int write_blobs(dem_t *dem, part_file *file)
+{
+  double budget[BUDGET_VALUES];
+  unsigned char *bytes = NULL;
+  size_t size = 0;
+  pack_budget(dem, budget);
+  PART_TRY(part_file_write_blob(file, "demBudget", sizeof budget, budget));
+  int status = part_agree(dem->comm, pack_history(dem, &size, &bytes));
+  if (status == PART_OK)
+    status = part_file_write_blob(file, "demHistory", size, bytes);
+  free(bytes);
+  bytes = NULL;
+  if (status == PART_OK)
+    status = part_agree(dem->comm, part_domain_save(dem->domain, &size, &bytes));
+  if (status == PART_OK)
+    status = part_file_write_blob(file, "demDecomposition", size, bytes);
+  free(bytes);
+  return status;
+}
+
+static int write_file(dem_t *dem, part_file *file)
+{
+  double state[STATE_VALUES], *blocks = NULL;
+  int n = 0;
+  PART_TRY(part_file_write_store(file, dem->store));
+  pack_state(dem, state);
+  PART_TRY(part_file_write_values(file, "demState", STATE_VALUES, state));
+  int status = part_agree(dem->comm, pack_blocks(dem, &blocks, &n));
+  if (status == PART_OK && n > 0)
+    status = part_file_write_values(file, "demBlocks", n, blocks);
+  free(blocks);
+  PART_TRY(status);
+  return write_blobs(dem, file);
+}
+
+int dem_write(dem_t *dem, const char *path, const char *series)
+{
+  part_file *file;
+  if (!dem->started)
+    return part_fail(PART_ERR_STATE, "dem_write comes after dem_start");
+  PART_TRY(dem_rebuild(dem, 0, NULL, NULL));
+  PART_TRY(part_file_create(dem->comm, path, dem->time, &file));
+  const int status = write_file(dem, file);
+  if (status != PART_OK) {
+    part_file_close(file);
+    return status;
+  }
+  return part_file_commit(file, series);
+}
+
+/* ---- reading --------------------------------------------------------------------------------- */
+static int unpack_state(dem_t *dem, const char *path, const double *value)
+{
+  if ((int)value[3] != dem->materials || (size_t)value[4] != dem->walls.elements)
+    return part_fail(PART_ERR_FORMAT,
+                     "%s was written with %d materials and %d wall elements; now there are %d and "
+                     "%d",
+                     path, (int)value[3], (int)value[4], dem->materials, (int)dem->walls.elements);
+  dem->time = value[0];
+  dem->r_mean = value[1];
+  dem->total = (int64_t)value[2];
+  dem->blocks = (int)value[5];
+  dem->substeps = (long long)value[6];
+  dem->rebuilds = (long long)value[7] - 1; /* dem_start rebuilds once more than the writing run */
+  dem->generation = (long long)value[8] - 1;
+  dem->restored_elsewhere = (int)value[9] != dem->ranks;
+  return PART_OK;
+}
+
+static int read_blocks(dem_t *dem, part_file *file)
+{
+  int n = dem->blocks * (BLOCK_VALUES + dem->materials);
+  double *values = NULL;
+  if (n == 0)
+    return PART_OK;
+  int status = part_agree(dem->comm, dem_allocate((size_t)n, sizeof *values, &values));
+  if (status == PART_OK)
+    status = part_file_read_values(file, "demBlocks", &n, values);
+  if (status == PART_OK)
+    status = part_agree(dem->comm, unpack_blocks(dem, values));
+  free(values);
+  return status;
+}
+
+static int read_blob(dem_t *dem, part_file *file, const char *name, size_t *size, void **bytes)
+{
+  return dem->restored_elsewhere ? part_file_read_all_blobs(file, name, size, bytes)
+                                 : part_file_read_blob(file, name, size, bytes);
+}
+
+static int read_blobs(dem_t *dem, part_file *file)
+{
+  void *bytes = NULL;
+  size_t size = 0;
+  PART_TRY(read_blob(dem, file, "demBudget", &size, &bytes));
+  const double *budget = bytes;
+  if (!dem->restored_elsewhere || dem->rank == 0)
+    for (size_t k = 0; k < size / (BUDGET_VALUES * sizeof(double)); k++)
+      unpack_budget(dem, budget + k * BUDGET_VALUES);
+  free(bytes);
+  bytes = NULL;
+  PART_TRY(read_blob(dem, file, "demHistory", &size, &bytes));
+  int status = part_agree(dem->comm, unpack_history(dem, bytes, size));
+  free(bytes);
+  bytes = NULL;
+  if (status != PART_OK || dem->restored_elsewhere)
+    return status;
+  PART_TRY(part_file_read_blob(file, "demDecomposition", &size, &bytes));
+  status = part_agree(dem->comm, part_domain_load(dem->domain, size, bytes));
+  free(bytes);
+  return status;
+}
+
+static int check_materials(const dem_t *dem, const char *path)
+{
+  for (int i = 0; i < dem->store->local; i++) {
+    const double m = dem_vm(dem)[DEM_VM * (size_t)i + 7];
+    if (!(m >= 0.0 && m < dem->materials && m == floor(m)))
+      return part_fail(PART_ERR_FORMAT, "%s: particle %lld has material %g of %d", path,
+                       (long long)dem_id(dem, i), m, dem->materials);
+  }
+  return PART_OK;
+}
+
+static int read_file(dem_t *dem, const char *path, part_file *file)
+{
+  double state[STATE_VALUES];
+  int n = STATE_VALUES;
+  PART_TRY(part_file_read_values(file, "demState", &n, state));
+  PART_TRY(part_agree(dem->comm, n == STATE_VALUES
+                                     ? unpack_state(dem, path, state)
+                                     : part_fail(PART_ERR_FORMAT, "%s: demState has %d values, not "
+                                                 "%d", path, n, STATE_VALUES)));
+  PART_TRY(part_file_read_store(file, dem->store));
+  PART_TRY(part_agree(dem->comm, check_materials(dem, path)));
+  PART_TRY(read_blocks(dem, file));
+  return read_blobs(dem, file);
+}
+
+int dem_read(dem_t *dem, const char *path)
+{
+  part_file *file;
+  double time;
+  if (dem->started || dem->restored || dem->seeds > 0)
+    return part_fail(PART_ERR_STATE, "dem_read comes before dem_start, in place of insertion");
+  PART_TRY(part_file_open(dem->comm, path, &time, &file));
+  const int status = read_file(dem, path, file);
+  part_file_close(file);
+  if (status == PART_OK)
+    dem->restored = 1;
+  return status;
+}

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From what was inserted to a running scene: particles to ranks, masses, blocks, first forces. */
+#include "internal.h"
+
+/* Each rank begins with an equal run of the inserted particles; balancing sends them on. */
+static int fill_store(dem_t *dem)
+{
+  const int64_t first = dem->seeds * dem->rank / dem->ranks;
+  const int64_t last = dem->seeds * (dem->rank + 1) / dem->ranks;
+  int at;
+  if (last - first > INT32_MAX / 2)
+    return part_fail(PART_ERR_RANGE, "%lld particles are too many for %d ranks",
+                     (long long)dem->seeds, dem->ranks);
+  PART_TRY(part_store_append(dem->store, (int)(last - first), &at));
+  for (int64_t k = first; k < last; k++, at++) {
+    const dem_seed *seed = &dem->seed[k];
+    double *x = dem_xr(dem) + DEM_XR * (size_t)at, *v = dem_vm(dem) + DEM_VM * (size_t)at;
+    int64_t *meta = dem_meta(dem) + DEM_META * (size_t)at;
+    memcpy(x, seed->x, sizeof seed->x);
+    memcpy(v, seed->v, sizeof seed->v);
+    x[3] = seed->r;
+    v[7] = seed->material;
+    meta[0] = k;
+    meta[1] = seed->kind;
+    meta[2] = seed->block;
+    v[3] = seed->kind == DEM_FREE ? 1.0 / dem_own_mass(dem, at) : 0.0;
+  }
+  return PART_OK;
+}
+
+static int make_blocks(dem_t *dem)
+{
+  for (int64_t k = 0; k < dem->seeds; k++)
+    if (dem->seed[k].block >= dem->blocks)
+      dem->blocks = dem->seed[k].block + 1;
+  PART_TRY(dem_allocate((size_t)dem->blocks, sizeof *dem->block, &dem->block));
+  PART_TRY(dem_allocate((size_t)dem->blocks * (size_t)dem->materials, sizeof *dem->block_gravity,
+                        &dem->block_gravity));
+  /* Every rank knows every particle here: the same sums everywhere, in the order of ids. */
+  for (int64_t k = 0; k < dem->seeds; k++) {
+    const dem_seed *seed = &dem->seed[k];
+    if (seed->kind != DEM_BLOCK)
+      continue;
+    dem_block *block = &dem->block[seed->block];
+    const double mass = dem->material[seed->material].density * 4.0 / 3.0 *
+                        3.14159265358979323846 * seed->r * seed->r * seed->r;
+    block->members++;
+    block->mass += mass;
+    dem->block_gravity[seed->block * dem->materials + seed->material] += mass;
+    for (int c = 0; c < 3; c++) {
+      block->x[c] += seed->x[c];
+      block->v[c] += mass * seed->v[c];
+    }
+  }
+  for (int b = 0; b < dem->blocks; b++)
+    for (int c = 0; c < 3 && dem->block[b].members > 0; c++) {
+      dem->block[b].x[c] /= (double)dem->block[b].members;
+      dem->block[b].v[c] /= dem->block[b].mass;
+    }
+  return PART_OK;
+}
+
+static void set_members(dem_t *dem)
+{
+  for (int i = 0; i < dem->store->local; i++)
+    if (dem_kind_of(dem, i) == DEM_BLOCK) {
+      const dem_block *block = &dem->block[dem_block_of(dem, i)];
+      double *v = dem_vm(dem) + DEM_VM * (size_t)i;
+      memcpy(v, block->v, sizeof block->v);
+      v[3] = 1.0 / block->mass;
+    }
+}
+
+static int populate(dem_t *dem)
+{
+  if (dem->materials == 0 || dem->seeds == 0)
+    return part_fail(PART_ERR_STATE, "there are no particles: insert or read some before dem_start");
+  dem->total = dem->seeds;
+  PART_TRY(make_blocks(dem));
+  PART_TRY(fill_store(dem));
+  set_members(dem);
+  free(dem->seed);
+  dem->seed = NULL;
+  dem->seed_capacity = 0;
+  return PART_OK;
+}
+
+static int prepare(dem_t *dem)
+{
+  if (!dem->restored)
+    PART_TRY(populate(dem));
+  PART_TRY(dem_allocate((size_t)dem->materials, sizeof *dem->mass_of, &dem->mass_of));
+  PART_TRY(dem_allocate(3 * (size_t)dem->materials, sizeof *dem->gravity_now, &dem->gravity_now));
+  return PART_OK;
+}
+
+static int prepare_lists(dem_t *dem)
+{
+  PART_TRY(part_pairs_create(dem->plan.tangential ? DEM_SPRING : 0, &dem->pairs));
+  return dem_walls_bins(&dem->walls, dem->r_max + dem->skin);
+}
+
+int dem_start(dem_t *dem)
+{
+  if (dem->started)
+    return part_fail(PART_ERR_STATE, "dem_start is called once");
+  PART_TRY(part_agree(dem->comm, prepare(dem)));
+  PART_TRY(dem_make_plan(dem));
+  PART_TRY(part_agree(dem->comm, prepare_lists(dem)));
+  int *count = dem->kept_count;
+  void *payload = dem->kept;
+  dem->kept_count = NULL;
+  dem->kept = NULL;
+  if (count != NULL && !dem->plan.tangential) { /* friction was taken out before the restart */
+    free(count);
+    free(payload);
+    count = NULL;
+    payload = NULL;
+  }
+  PART_TRY(dem_rebuild(dem, !dem->restored || dem->restored_elsewhere, count, payload));
+  dem->started = 1;
+  if (dem->restored)
+    return PART_OK;
+  PART_TRY(part_agree(dem->comm, dem->plan.walls ? dem_walls_check(dem) : PART_OK));
+  PART_TRY(dem_forces(dem, 0.0));
+  dem_own_momentum(dem, dem->initial_momentum, NULL);
+  return PART_OK;
+}

@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Contact of particles with walls: the same laws with a partner of infinite mass at rest.
+ *
+ * A sphere may meet several triangles at once. Faces come first, then edges, then vertices, the
+ * nearest first among equals; a further place p counts only when it lies above the plane through
+ * the contact q of every contact taken before, with normal n_q: (p - q) . n_q > 0. On coplanar or
+ * convex neighbours all other places are on or below that plane (it supports a convex body), so
+ * exactly one contact is left; a place above it is a second surface that the sphere really meets.
+ *
+ * The tangential spring goes with the contact, not with the triangle: an element that becomes
+ * active takes over the spring of one of the same material that was active a step ago in nearly
+ * the same direction and is not any more, so rolling over an edge changes nothing. */
+#include "internal.h"
+#include "laws.h"
+
+static const double covered_height = 1e-6; /* of the radius: single precision of STL files */
+static const double same_direction = 0.9;  /* cosine */
+
+static double dot(const double a[3], const double b[3])
+{
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static int before(const dem_candidate *a, const dem_candidate *b)
+{
+  if (a->feature != b->feature)
+    return a->feature < b->feature;
+  if (a->gap != b->gap)
+    return a->gap < b->gap;
+  return a->entry < b->entry;
+}
+
+/* Places of a row within the sphere, in the order in which they are taken. */
+static int find(const dem_t *dem, int row, const double *x, dem_candidate *place)
+{
+  const dem_walls *walls = &dem->walls;
+  const double length[3] = {dem->box.hi[0] - dem->box.lo[0], dem->box.hi[1] - dem->box.lo[1],
+                            dem->box.hi[2] - dem->box.lo[2]};
+  int count = 0;
+  for (int k = walls->start[row]; k < walls->start[row + 1]; k++) {
+    const dem_near *near = &walls->near[k];
+    dem_candidate found = {.entry = k};
+    double seen[3];
+    dem_shift_position(length, near->shift, x, seen);
+    found.feature =
+        dem_element_nearest(&walls->element[near->element], seen, found.p, found.n, &found.gap);
+    if (found.gap >= x[3])
+      continue;
+    int at = count++;
+    for (; at > 0 && before(&found, &place[at - 1]); at--)
+      place[at] = place[at - 1];
+    place[at] = found;
+  }
+  return count;
+}
+
+/* Keep the places that are not covered by one before; returns how many. */
+static int select(dem_candidate *place, int count, double r)
+{
+  int kept = 0;
+  for (int k = 0; k < count; k++) {
+    int covered = 0;
+    for (int m = 0; m < kept && !covered; m++)
+      covered = dot(place[k].p, place[m].n) + place[m].gap <= covered_height * r;
+    if (!covered)
+      place[kept++] = place[k];
+  }
+  return kept;
+}
+
+static int is_active(const dem_near *near) { return dot(near->n, near->n) > 0.0; }
+
+static int is_kept(const dem_candidate *place, int kept, int entry)
+{
+  for (int m = 0; m < kept; m++)
+    if (place[m].entry == entry)
+      return 1;
+  return 0;
+}
+
+/* Springs of contacts that have moved on to another element; then forget what is not active. */
+static void hand_over(dem_walls *walls, int row, const dem_candidate *place, int kept)
+{
+  for (int m = 0; m < kept; m++) {
+    dem_near *to = &walls->near[place[m].entry], *from = NULL;
+    double best = same_direction;
+    if (is_active(to))
+      continue;
+    for (int k = walls->start[row]; k < walls->start[row + 1]; k++) {
+      dem_near *old = &walls->near[k];
+      if (!is_active(old) || is_kept(place, kept, k) ||
+          walls->element[old->element].material != walls->element[to->element].material)
+        continue;
+      if (dot(old->n, place[m].n) > best) {
+        best = dot(old->n, place[m].n);
+        from = old;
+      }
+    }
+    if (from != NULL) {
+      memcpy(to->spring, from->spring, sizeof to->spring);
+      memset(from->n, 0, sizeof from->n);
+    }
+  }
+  for (int k = walls->start[row]; k < walls->start[row + 1]; k++)
+    if (!is_kept(place, kept, k)) {
+      memset(walls->near[k].n, 0, sizeof walls->near[k].n);
+      memset(walls->near[k].spring, 0, sizeof walls->near[k].spring);
+    }
+}
+
+static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
+{
+  dem_near *near = &dem->walls.near[place->entry];
+  const int tangential = dem->plan.tangential;
+  const double *vm = dem_vm(dem) + DEM_VM * (size_t)i, *n = place->n;
+  double *ft = dem_ft(dem) + DEM_FT * (size_t)i, force[3];
+  dem_touch touch;
+  memcpy(touch.n, n, sizeof touch.n);
+  touch.overlap = dem_xr(dem)[DEM_XR * (size_t)i + 3] - place->gap;
+  touch.inverse_mass = vm[3];
+  const double arm = place->gap + 0.5 * touch.overlap;
+  const double *w = vm + 4;
+  touch.v[0] = vm[0] - arm * (w[1] * n[2] - w[2] * n[1]);
+  touch.v[1] = vm[1] - arm * (w[2] * n[0] - w[0] * n[2]);
+  touch.v[2] = vm[2] - arm * (w[0] * n[1] - w[1] * n[0]);
+  const int material = dem->walls.element[near->element].material;
+  dem_laws_any(&dem->coefs[(int)vm[7] * dem->materials + material], &touch, tangential, dt,
+               near->spring, force);
+  for (int c = 0; c < 3; c++) {
+    ft[c] += force[c];
+    dem->wall_force[c] += force[c];
+    near->n[c] = n[c];
+  }
+  if (tangential) {
+    ft[4] += arm * (n[2] * force[1] - n[1] * force[2]);
+    ft[5] += arm * (n[0] * force[2] - n[2] * force[0]);
+    ft[6] += arm * (n[1] * force[0] - n[0] * force[1]);
+  }
+}
+
+int dem_walls_touched(const dem_t *dem, int row, dem_candidate *place)
+{
+  const double *x = dem_xr(dem) + DEM_XR * (size_t)dem->walls.particle[row];
+  return select(place, find(dem, row, x, place), x[3]);
+}
+
+void dem_wall_forces(dem_t *dem, double dt)
+{
+  dem_walls *walls = &dem->walls;
+  for (int row = 0; row < walls->rows; row++) {
+    const int kept = dem_walls_touched(dem, row, walls->scratch);
+    hand_over(walls, row, walls->scratch, kept);
+    for (int m = 0; m < kept; m++)
+      touch_wall(dem, walls->particle[row], &walls->scratch[m], dt);
+  }
+}
