@@ -30,12 +30,24 @@ typedef struct cpl_overlaps {
 void cpl_overlaps_free(cpl_overlaps *list);
 int cpl_overlap_exact(cpl_search *search, const double centre[3], double radius, int *hint,
                       cpl_overlaps *list);
-/* Marks of N^3 sub-cells per cell whose centre is inside (hexes: sub-cells in the cell's
- * trilinear coordinates; other cells: see overlap_sub_cell.c), row fill. */
+/* Cells divided into n^3 sub-cells; a cell gets the volume of those whose centre is inside. Boxes
+ * and hexahedra: equal parts of the cell's trilinear coordinates. Other cells: the parts of an n^3
+ * grid over the cell's bound whose centres are in the cell. The volumes add up to about that of the
+ * sphere only: normalise. When no centre at all is inside, all goes to the cell of the sphere's
+ * centre. ERR_RANGE: n < 1. */
 int cpl_overlap_sub_cell(cpl_search *search, int n, const double centre[3], double radius,
                          int *hint, cpl_overlaps *list);
+/* For tests: mark[i + n (j + n k)] = 1 for the sub-cells of one cell that count, else 0; and the
+ * centres of all its sub-cells, point[n^3][3] (those of a polyhedron may be outside of it). */
+int cpl_sub_cell_marks(cpl_search *search, int n, int cell, const double centre[3], double radius,
+                       unsigned char *mark);
+int cpl_sub_cell_points(cpl_search *search, int n, int cell, double *point);
 /* All volume in the cell of the centre. */
 int cpl_overlap_centre(cpl_search *search, const double centre[3], double radius, int *hint,
                        cpl_overlaps *list);
+
+/* The method of a row of void_fractions.def (n: of subCell). ERR_ARGUMENT: no such row. */
+int cpl_overlap(int method, cpl_search *search, int n, const double centre[3], double radius,
+                int *hint, cpl_overlaps *list);
 
 #endif

@@ -15,8 +15,6 @@
 #include <math.h>
 #include <string.h>
 
-enum { UNSEEN, QUEUED, DONE };
-
 static const double ball = 4.18879020478639098; /* 4 pi / 3 */
 
 /* Nearer than this (in radii) to a face that the ball meets, the transfer form loses more than
@@ -29,14 +27,6 @@ typedef struct {
   double radius, inverse; /* 1 / radius */
   int near, border;       /* some face met is near; the ball reaches a border face */
 } walk;
-
-static void see(cpl_search *s, int cell) {
-  if (s->state[cell] == UNSEEN) {
-    s->state[cell] = QUEUED;
-    s->volume[cell] = 0.0;
-    s->queue[s->queued++] = cell;
-  }
-}
 
 /* ---- faces ----------------------------------------------------------------------------------- */
 
@@ -183,18 +173,18 @@ static int touches_bound(const walk *w, int cell, double bound[6]) {
  * their volumes have a closed form. */
 static void visit(walk *w, int cell) {
   cpl_search *s = w->s;
-  s->state[cell] = DONE;
+  s->state[cell] = CPL_DONE;
   for (int k = s->cell_face_start[cell]; k < s->cell_face_start[cell + 1]; k++) {
     const int code = s->cell_face[k], f = code < 0 ? ~code : code;
     const int other = cpl_other_cell(s, code);
-    if ((other >= 0 && s->state[other] == DONE) || !may_meet_face(w, f))
+    if ((other >= 0 && s->state[other] == CPL_DONE) || !may_meet_face(w, f))
       continue;
     if (s->is_box[cell] && (other < 0 || s->is_box[other])) {
       double bound[6];
       if (other < 0)
         w->border = 1;
       else if (touches_bound(w, other, bound))
-        see(s, other);
+        cpl_search_queue(s, other);
       continue;
     }
     int met = 0;
@@ -205,50 +195,26 @@ static void visit(walk *w, int cell) {
     if (other < 0) {
       w->border = 1;
     } else {
-      see(s, other);
+      cpl_search_queue(s, other);
       s->volume[other] += deficit;
     }
   }
-}
-
-/* A ball that leaves the cells of this rank may come back elsewhere: start also from every cell at
- * the border whose border faces it meets. */
-static void see_from_border(walk *w) {
-  cpl_search *s = w->s;
-  int from[3], to[3];
-  double lo[3], hi[3], bound[6];
-  for (int d = 0; d < 3; d++) {
-    lo[d] = w->centre[d] - w->radius;
-    hi[d] = w->centre[d] + w->radius;
-  }
-  if (!cpl_search_bin_range(s, lo, hi, from, to))
-    return;
-  for (int k = from[2]; k <= to[2]; k++)
-    for (int j = from[1]; j <= to[1]; j++)
-      for (int i = from[0]; i <= to[0]; i++) {
-        const int b = i + s->bins[0] * (j + s->bins[1] * k);
-        for (int e = s->bin_start[b]; e < s->bin_start[b + 1]; e++) {
-          const int cell = s->bin_cell[e];
-          if (s->at_border[cell] && s->state[cell] == UNSEEN && touches_bound(w, cell, bound))
-            see(s, cell);
-        }
-      }
 }
 
 /* Volumes of all queued cells that are not boxes, in the flux form. */
 static void recompute(walk *w) {
   cpl_search *s = w->s;
   for (int q = 0; q < s->queued; q++) {
-    s->state[s->queue[q]] = QUEUED;
+    s->state[s->queue[q]] = CPL_QUEUED;
     s->volume[s->queue[q]] = 0.0;
   }
   for (int q = 0; q < s->queued; q++) {
     const int cell = s->queue[q];
-    s->state[cell] = DONE;
+    s->state[cell] = CPL_DONE;
     for (int k = s->cell_face_start[cell]; k < s->cell_face_start[cell + 1]; k++) {
       const int code = s->cell_face[k], other = cpl_other_cell(s, code);
-      const int ours = other >= 0 && s->state[other] != UNSEEN;
-      if ((ours && s->state[other] == DONE) || (s->is_box[cell] && (!ours || s->is_box[other])))
+      const int ours = other >= 0 && s->state[other] != CPL_UNSEEN;
+      if ((ours && s->state[other] == CPL_DONE) || (s->is_box[cell] && (!ours || s->is_box[other])))
         continue;
       const double flux = code < 0 ? -face_flux(w, ~code) : face_flux(w, code);
       s->volume[cell] += flux;
@@ -296,12 +262,6 @@ static int collect(walk *w, cpl_overlaps *list) {
   return PART_OK;
 }
 
-static void finish(cpl_search *s) {
-  for (int q = 0; q < s->queued; q++)
-    s->state[s->queue[q]] = UNSEEN;
-  s->queued = 0;
-}
-
 int cpl_overlap_exact(cpl_search *s, const double centre[3], double radius, int *hint,
                       cpl_overlaps *list) {
   if (!(radius > 0.0 && radius < HUGE_VAL))
@@ -309,20 +269,20 @@ int cpl_overlap_exact(cpl_search *s, const double centre[3], double radius, int 
   walk w = {.s = s, .centre = centre, .radius = radius, .inverse = 1.0 / radius};
   *hint = cpl_search_cell(s, centre, *hint);
   if (*hint >= 0) {
-    see(s, *hint);
+    cpl_search_queue(s, *hint);
     s->volume[*hint] = ball;
   }
   for (int q = 0; q < s->queued; q++)
     visit(&w, s->queue[q]);
   if (*hint < 0 || w.border) {
     const int from = s->queued;
-    see_from_border(&w);
+    cpl_search_queue_touching(s, centre, radius, 1); /* it may come back elsewhere */
     for (int q = from; q < s->queued; q++)
       visit(&w, s->queue[q]);
   }
   if (w.near || doubtful(&w))
     recompute(&w);
   const int status = collect(&w, list);
-  finish(s);
+  cpl_search_done(s);
   return status;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which cell contains a point; life of a search. */
 #include "search.h"
+#include "sub_cell.h"
 #include "polyhedron_sphere.h"
 
 #include <math.h>
@@ -50,6 +51,7 @@ void cpl_search_destroy(cpl_search *s) {
   free(s->state);
   free(s->volume);
   free(s->queue);
+  cpl_hexes_destroy(s->hexes);
   free(s);
 }
 
@@ -173,4 +175,45 @@ int cpl_search_cell(cpl_search *s, const double x[3], int hint) {
     if (cpl_search_in(s, s->bin_cell[k], x))
       return s->bin_cell[k];
   return -1;
+}
+
+/* ---- cells near a sphere --------------------------------------------------------------------- */
+
+static int touches(const double bound[6], const double centre[3], double radius) {
+  double gap2 = 0.0;
+  for (int d = 0; d < 3; d++) {
+    const double below = bound[d] - centre[d], above = centre[d] - bound[3 + d];
+    const double gap = below > 0.0 ? below : above > 0.0 ? above : 0.0;
+    gap2 += gap * gap;
+  }
+  return gap2 < radius * radius;
+}
+
+void cpl_search_queue_touching(cpl_search *s, const double centre[3], double radius,
+                               int border_only) {
+  int from[3], to[3];
+  double lo[3], hi[3];
+  for (int d = 0; d < 3; d++) {
+    lo[d] = centre[d] - radius;
+    hi[d] = centre[d] + radius;
+  }
+  if (s->mesh->cells == 0 || !cpl_search_bin_range(s, lo, hi, from, to))
+    return;
+  for (int k = from[2]; k <= to[2]; k++)
+    for (int j = from[1]; j <= to[1]; j++)
+      for (int i = from[0]; i <= to[0]; i++) {
+        const int b = i + s->bins[0] * (j + s->bins[1] * k);
+        for (int e = s->bin_start[b]; e < s->bin_start[b + 1]; e++) {
+          const int cell = s->bin_cell[e];
+          if (s->state[cell] == CPL_UNSEEN && (!border_only || s->at_border[cell]) &&
+              touches(s->bound[cell], centre, radius))
+            cpl_search_queue(s, cell);
+        }
+      }
+}
+
+void cpl_search_done(cpl_search *s) {
+  for (int q = 0; q < s->queued; q++)
+    s->state[s->queue[q]] = CPL_UNSEEN;
+  s->queued = 0;
 }

@@ -6,7 +6,7 @@
 #include "overlap.h"
 
 typedef struct cpl_tensor cpl_tensor; /* tensor_grid.h */
-typedef struct cpl_hexes cpl_hexes;   /* overlap_sub_cell.c */
+typedef struct cpl_hexes cpl_hexes;   /* sub_cell.h */
 
 /* Where a face can be: within `thickness` of the plane through c with unit normal n (owner to
  * neighbour), and within `reach` of c = its face centre. */
@@ -57,6 +57,21 @@ int cpl_search_bin_range(const cpl_search *s, const double lo[3], const double h
 int cpl_search_surely_in(const cpl_search *s, int cell, const double x[3]);
 /* x is in cell or on its surface. */
 int cpl_search_in(const cpl_search *s, int cell, const double x[3]);
+
+/* Queue every cell whose bound the sphere touches (border_only: and that has a border face), with
+ * volume 0, unless it is queued already. cpl_search_done empties the queue. */
+void cpl_search_queue_touching(cpl_search *s, const double centre[3], double radius,
+                               int border_only);
+void cpl_search_done(cpl_search *s);
+
+enum { CPL_UNSEEN, CPL_QUEUED, CPL_DONE }; /* state of a cell */
+static inline void cpl_search_queue(cpl_search *s, int cell) {
+  if (s->state[cell] == CPL_UNSEEN) {
+    s->state[cell] = CPL_QUEUED;
+    s->volume[cell] = 0.0;
+    s->queue[s->queued++] = cell;
+  }
+}
 
 static inline int cpl_other_cell(const cpl_search *s, int code) { /* across a cell_face; -1: none */
   const int f = code < 0 ? ~code : code;
