@@ -5,10 +5,10 @@
 #include "internal.h"
 #include "laws.h"
 
-/* What one material is part of; sums and maxima over ranks. */
+/* What one material is part of, over all ranks. */
 typedef struct presence {
   double free, fixed, blocks; /* numbers of bodies; fixed particles are one body */
-  double lightest;            /* 1/kg, largest inverse mass of a movable body */
+  double light[2];            /* 1/kg, the two largest inverse masses of movable bodies */
 } presence;
 
 typedef struct scene {
@@ -16,39 +16,72 @@ typedef struct scene {
   presence *of; /* [materials] */
 } scene;
 
-static int survey(const dem_t *dem, scene *s)
+static void take_light(presence *p, double inverse_mass)
 {
-  const int n = dem->materials;
-  double sum[2] = {0.0, 0.0}, *most;
-  PART_TRY(dem_allocate(4 * (size_t)n + 2, sizeof *most, &most));
+  if (inverse_mass > p->light[0]) {
+    p->light[1] = p->light[0];
+    p->light[0] = inverse_mass;
+  } else if (inverse_mass > p->light[1]) {
+    p->light[1] = inverse_mass;
+  }
+}
+
+/* Own particles; blocks are known everywhere and are counted in join_ranks. */
+static void survey_own(const dem_t *dem, scene *s)
+{
   for (int i = 0; i < dem->store->local; i++) {
     const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3];
-    const int m = dem_material_of(dem, i), kind = dem_kind_of(dem, i);
-    sum[0] += r;
-    sum[1] += kind == DEM_FREE;
-    most[0] = fmax(most[0], r);
-    most[1] = fmax(most[1], kind == DEM_FIXED);
-    most[2 + 4 * m] += kind == DEM_FREE;
-    most[3 + 4 * m] = fmax(most[3 + 4 * m], kind == DEM_FIXED);
-    most[4 + 4 * m] = fmax(most[4 + 4 * m], dem_vm(dem)[DEM_VM * (size_t)i + 3]);
+    presence *p = &s->of[dem_material_of(dem, i)];
+    s->r_sum += r;
+    s->r_max = fmax(s->r_max, r);
+    if (dem_kind_of(dem, i) == DEM_FIXED) {
+      p->fixed = s->fixed = 1.0;
+    } else if (dem_kind_of(dem, i) == DEM_FREE) {
+      p->free++;
+      s->free++;
+      take_light(p, dem_vm(dem)[DEM_VM * (size_t)i + 3]);
+    }
   }
-  MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, dem->comm);
-  for (int m = 0; m < n; m++) { /* two are as good as any number of free ones, on any ranks */
-    double count = most[2 + 4 * m];
-    MPI_Allreduce(MPI_IN_PLACE, &count, 1, MPI_DOUBLE, MPI_SUM, dem->comm);
-    most[2 + 4 * m] = count;
+}
+
+static int join_ranks(const dem_t *dem, scene *s, double *all)
+{
+  const int n = dem->materials;
+  double sums[2] = {s->free, s->r_sum}, most[2] = {s->fixed, s->r_max};
+  MPI_Allgather(s->of, (int)sizeof(presence) * n, MPI_BYTE, all, (int)sizeof(presence) * n,
+                MPI_BYTE, dem->comm);
+  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, dem->comm);
+  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, dem->comm);
+  *s = (scene){sums[0], most[0], 0.0, most[1], sums[1], s->of};
+  memset(s->of, 0, (size_t)n * sizeof *s->of);
+  for (int k = 0; k < n * dem->ranks; k++) {
+    presence *p = &s->of[k % n], q;
+    memcpy(&q, all + (size_t)k * (sizeof q / sizeof *all), sizeof q);
+    p->free += q.free;
+    p->fixed = fmax(p->fixed, q.fixed);
+    take_light(p, q.light[0]);
+    take_light(p, q.light[1]);
   }
-  MPI_Allreduce(MPI_IN_PLACE, most, 4 * n + 2, MPI_DOUBLE, MPI_MAX, dem->comm);
-  *s = (scene){sum[1], most[1], 0.0, most[0], sum[0], s->of};
-  for (int m = 0; m < n; m++)
-    s->of[m] = (presence){most[2 + 4 * m], most[3 + 4 * m], 0.0, most[4 + 4 * m]};
   for (int b = 0; b < dem->blocks; b++) {
     s->blocks += dem->block[b].members > 0;
     for (int m = 0; m < n; m++)
-      s->of[m].blocks += dem->block_gravity[b * n + m] > 0.0;
+      if (dem->block_gravity[b * n + m] > 0.0) {
+        s->of[m].blocks++;
+        take_light(&s->of[m], 1.0 / dem->block[b].mass);
+      }
   }
-  free(most);
   return PART_OK;
+}
+
+static int survey(const dem_t *dem, scene *s)
+{
+  double *all;
+  PART_TRY(part_agree(dem->comm, dem_allocate((size_t)(dem->materials * dem->ranks),
+                                              sizeof(presence), &all)));
+  survey_own(dem, s);
+  const int status = join_ranks(dem, s, all);
+  free(all);
+  return status;
 }
 
 static int set_coefs(dem_t *dem)
@@ -92,12 +125,13 @@ static int walk_contacts(dem_t *dem, const scene *s, int pairs, double *least)
       const presence *p = &s->of[a], *q = &s->of[b];
       const double bodies = p->free + p->fixed + p->blocks, others = q->free + q->fixed + q->blocks;
       const int can = pairs && (a == b ? bodies >= 2.0 : bodies > 0.0 && others > 0.0);
+      const double w = a == b ? p->light[0] + p->light[1] : p->light[0] + q->light[0];
       if (can || all)
-        PART_TRY(contact_of(dem, a, b, p->lightest + q->lightest, can, least));
+        PART_TRY(contact_of(dem, a, b, w, can, least));
     }
   for (int w = 0; w < dem->walls.count; w++)
     for (int a = 0; a < dem->materials; a++)
-      PART_TRY(contact_of(dem, a, dem->walls.wall[w].material, s->of[a].lightest, 1, least));
+      PART_TRY(contact_of(dem, a, dem->walls.wall[w].material, s->of[a].light[0], 1, least));
   return PART_OK;
 }
 
