@@ -4,9 +4,11 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 
 import numpy as np
 
+MAKE_MESH = os.path.join(os.path.dirname(os.path.abspath(__file__)), '..', '..', 'meshes', 'makeMesh.py')
 HEADER = 'FoamFile\n{{\n    version 2.0;\n    format ascii;\n    class {cls};\n    object {name};\n}}\n'
 
 
@@ -75,13 +77,23 @@ class Case:
             'edges': [], 'boundary': '(' + '\n'.join(patches) + ')'})
         self.run('blockMesh')
 
+    def mesh(self, lo, hi, cells, kinds, options):
+        words = [sys.executable, MAKE_MESH, '.', '--cells', *cells, '--origin', *lo,
+                 '--length', *(b - a for a, b in zip(lo, hi)), *options]
+        for kind in ('cyclic', 'wall', 'empty'):
+            sides = [side for side, k in kinds.items() if k == kind]
+            words += ['--' + kind, *sides] if sides else []
+        self.run(*map(str, words))
+
     def run(self, *command, check=True, timeout=600):
         """Run in the case; the log is log.<command>. Returns (exit status, text)."""
-        name = [c for c in command if not c.startswith('-') and c != 'mpirun' and not c.isdigit()][0]
+        name = [c for c in command if not c.startswith('-') and not c.isdigit()
+                and os.path.basename(c) not in ('mpirun', os.path.basename(sys.executable))][0]
         log = os.path.join(self.path, 'log.' + os.path.basename(name))
         with open(log, 'w') as out:
-            status = subprocess.call(command, cwd=self.path, env=dict(os.environ, PWD=os.path.abspath(self.path)), stdout=out, stderr=subprocess.STDOUT,
-                                     timeout=timeout)
+            env = dict(os.environ, PWD=os.path.abspath(self.path))
+            status = subprocess.call(command, cwd=self.path, env=env, stdout=out,
+                                     stderr=subprocess.STDOUT, timeout=timeout)
         with open(log) as text:
             output = text.read()
         if check and status != 0:
@@ -105,8 +117,10 @@ class Case:
 def flow_case(path, *, lo, hi, cells, kinds, regions=(), model='A', nu=1e-6, div='Gauss linear',
               dt=1e-3, end=1.0, body=(0, 0, 0), correctors=3, u_walls='slip', u0=(0, 0, 0), outer=1,
               ddt='Euler', laplacian='Gauss linear corrected', outlet=(), box=True, u_patch=None,
-              tolerance=1e-12):
-    """A case for prescribedSolidsFoam (and, with other dictionaries added, for cfdDemFoam)."""
+              tolerance=1e-12, mesh=None, nonorth=0, noise=0.0):
+    """A case for prescribedSolidsFoam (and, with other dictionaries added, for cfdDemFoam).
+
+    mesh: options for tests/meshes/makeMesh.py, instead of blockMesh; kinds says the same sides."""
     case = Case(path)
     case.write('system/controlDict', {
         'application': 'prescribedSolidsFoam', 'startFrom': 'startTime', 'startTime': 0,
@@ -122,14 +136,17 @@ def flow_case(path, *, lo, hi, cells, kinds, regions=(), model='A', nu=1e-6, div
     case.write('system/fvSolution', {
         'solvers': {'p_rgh': solver, 'p_rghFinal': solver},
         'PIMPLE': {'nOuterCorrectors': outer, 'nCorrectors': correctors,
-                   'nNonOrthogonalCorrectors': 0, 'pRefCell': 0, 'pRefValue': 0}})
-    case.write('constant/transportProperties', {'nu': '[0 2 -1 0 0 0 0] %r' % nu, 'model': model})
+                   'nNonOrthogonalCorrectors': nonorth, 'pRefCell': 0, 'pRefValue': 0}})
+    case.write('constant/transportProperties', {'nu': '[0 2 -1 0 0 0 0] %r' % nu, 'model': model,
+                                               'initialNoise': noise})
     case.write('constant/g', {'dimensions': '[0 1 -2 0 0 0 0]', 'value': (0, 0, 0)},
                'uniformDimensionedVectorField')
     case.write('constant/bodyAcceleration', {'dimensions': '[0 1 -2 0 0 0 0]', 'value': body},
                'uniformDimensionedVectorField')
     case.write('constant/prescribedSolids', {'regions': [dict(r) for r in regions]})
-    if box:
+    if mesh:
+        case.mesh(lo, hi, cells, kinds, mesh)
+    elif box:
         case.box(lo, hi, cells, kinds)
     u_boundary, p_boundary = {}, {}
     for name in ('xMin', 'xMax', 'yMin', 'yMax', 'zMin', 'zMax'):
@@ -154,8 +171,15 @@ def steps(text):
     """The 'step' lines of prescribedSolidsFoam as a list of dicts."""
     rows = []
     for line in text.splitlines():
-        w = line.split()
-        if w and w[0] == 'step':
-            rows.append({'t': float(w[2]), 'mean': np.array(list(map(float, w[4:7]))),
-                         'deviation': float(w[8]), 'max': float(w[10]), 'pRange': float(w[12])})
+        words = line.split()
+        if not words or words[0] != 'step':
+            continue
+        row, key = {}, None
+        for word in words[1:]:
+            if word[0].isalpha() and word not in ('nan', 'inf'):
+                key = word
+                row[key] = []
+            else:
+                row[key].append(float(word))
+        rows.append({k: v[0] if len(v) == 1 else np.array(v) for k, v in row.items()})
     return rows

@@ -3,11 +3,18 @@
 
 #include "Random.H"
 #include "mathematicalConstants.H"
+#include "solidShapes.H"
 
 namespace Foam
 {
 
-static const scalar samples = 12; // per direction of a cell, for shapes that cut it obliquely
+static scalarField givenField(const fvMesh& mesh, const word& name)
+{
+  return volScalarField
+  (
+    IOobject(name, mesh.time().timeName(), mesh, IOobject::MUST_READ, IOobject::NO_WRITE), mesh
+  ).primitiveField();
+}
 
 prescribedSolids::prescribedSolids(const fvMesh& mesh)
 :
@@ -22,51 +29,59 @@ prescribedSolids::prescribedSolids(const fvMesh& mesh)
       )
     ).lookup("regions")
   )
-{}
-
-scalar prescribedSolids::inside(const dictionary& region, const vector& x, scalar t) const
 {
-  const vector moved = x - t*region.getOrDefault<vector>("velocity", Zero);
-  const word shape(region.get<word>("shape"));
-  if (shape == "slab")
+  for (const dictionary& region : regions_)
   {
-    const scalar s = moved & region.get<vector>("normal");
-    return s > region.get<scalar>("from") && s < region.get<scalar>("to");
+    const word shape(region.get<word>("shape"));
+    if (shape == "given")
+    {
+      epsGiven_ = givenField(mesh, "epsGiven");
+      dragGiven_ = givenField(mesh, "dragGiven");
+    }
+    else if (shape != "slab" && shape != "disc" && shape != "random" && shape != "layers")
+    {
+      FatalIOErrorInFunction(region)
+        << "unknown shape " << shape << ": slab, disc, random, layers or given"
+        << exit(FatalIOError);
+    }
   }
-  const vector axis(region.get<vector>("axis"));
-  vector r = moved - region.get<vector>("centre");
-  r -= axis*(axis & r);
-  return mag(r) < region.get<scalar>("radius");
 }
 
-/* Part of the cell inside. A slab along a coordinate axis cuts Cartesian cells exactly. */
-scalar prescribedSolids::fraction(const dictionary& region, label cell, scalar t) const
+/* Part of the cell inside the slab or disc at time t. */
+scalar prescribedSolids::part(const dictionary& region, label cell, scalar t) const
 {
-  const boundBox box(mesh_.points(), mesh_.cellPoints()[cell], false);
-  const vector normal(region.getOrDefault<vector>("normal", Zero));
-  if (region.get<word>("shape") == "slab" && cmptMax(cmptMag(normal)) > 1 - SMALL)
+  const vector velocity(region.getOrDefault<vector>("velocity", Zero));
+  if (region.get<word>("shape") == "disc")
   {
-    const scalar shift = t*(region.getOrDefault<vector>("velocity", Zero) & normal);
-    const scalar a = box.min() & normal, b = box.max() & normal;
-    const scalar lo = max(min(a, b), region.get<scalar>("from") + shift);
-    const scalar hi = min(max(a, b), region.get<scalar>("to") + shift);
-    return max(hi - lo, scalar(0))/mag(b - a);
+    return partInCylinder
+    (
+      mesh_, cell, region.get<vector>("centre") + t*velocity, region.get<vector>("axis"),
+      region.get<scalar>("radius")
+    );
   }
+  const vector normal(region.get<vector>("normal"));
+  const scalar from = region.get<scalar>("from"), to = region.get<scalar>("to");
+  const scalar shift = t*(velocity & normal);
+  auto one = [&](scalar moved)
+  {
+    return partBelow(mesh_, cell, normal, to + moved) - partBelow(mesh_, cell, normal, from + moved);
+  };
+  if (!region.found("period")) return one(shift);
+  const scalar period = region.get<scalar>("period");
+  const boundBox box(mesh_.points(), mesh_.cellPoints()[cell], false);
+  const scalarField s(box.points()() & normal);
   scalar sum = 0;
-  const vector h = box.span()/samples;
-  for (scalar i = 0; i < samples; ++i)
-    for (scalar k = 0; k < samples; ++k)
-      for (scalar l = 0; l < samples; ++l)
-        sum += inside(region, box.min() + cmptMultiply(h, vector(i + 0.5, k + 0.5, l + 0.5)), t);
-  return sum/pow3(samples);
+  const label first = label(floor((min(s) - to - shift)/period));
+  const label last = label(ceil((max(s) - from - shift)/period));
+  for (label k = first; k <= last; ++k) sum += one(shift + k*period);
+  return sum;
 }
 
 scalar prescribedSolids::solids(const dictionary& region, label cell, scalar t) const
 {
-  if (region.get<word>("shape") != "layers")
-  {
-    return fraction(region, cell, t)*(1 - region.get<scalar>("eps"));
-  }
+  const word shape(region.get<word>("shape"));
+  if (shape == "given") return 1 - epsGiven_[cell];
+  if (shape != "layers") return part(region, cell, t)*(1 - region.get<scalar>("eps"));
   const scalar height = region.get<scalar>("layerHeight");
   const label layer =
     label(floor((mesh_.cellCentres()[cell] & region.get<vector>("normal"))/height));
@@ -75,6 +90,27 @@ scalar prescribedSolids::solids(const dictionary& region, label cell, scalar t) 
   return k < 0 || k >= cells.size()
     ? 0
     : cells[k]*region.get<scalar>("sphereVolume")/mesh_.V()[cell];
+}
+
+scalar prescribedSolids::dragCoefficient
+(
+  const dictionary& region, label cell, scalar s, scalar eps, scalar slip, scalar nu
+) const
+{
+  if (region.get<word>("shape") == "given") return dragGiven_[cell];
+  const scalar d = region.getOrDefault<scalar>("diameter", 0);
+  if (d > 0) // Di Felice (1994): force of one sphere per fluid density, times their number
+  {
+    const scalar w = max(slip, 1e-12);
+    const scalar re = w*d/nu;
+    const scalar xi = 3.7 - 0.65*exp(-0.5*sqr(1.5 - log10(re)));
+    const scalar force =
+      constant::mathematical::pi/8*sqr(0.63 + 4.8/sqrt(re))*sqr(d*w)*pow(eps, -xi);
+    return s/(constant::mathematical::pi/6*pow3(d))*force/w;
+  }
+  const scalar inside = s/(1 - region.get<scalar>("eps"));
+  return inside
+    *(region.getOrDefault<scalar>("drag", 0) + eps*region.getOrDefault<scalar>("resistance", 0));
 }
 
 void prescribedSolids::update
@@ -93,29 +129,23 @@ void prescribedSolids::update
     {
       Random random(region.get<label>("seed") + Pstream::myProcNo());
       const scalar low = region.get<scalar>("low"), high = region.get<scalar>("high");
-      forAll(eps, cell) eps[cell] = low + (high - low)*random.sample01<scalar>();
+      const scalar drag = region.getOrDefault<scalar>("drag", 0);
+      forAll(eps, cell)
+      {
+        eps[cell] = low + (high - low)*random.sample01<scalar>();
+        D[cell] = drag*random.sample01<scalar>();
+      }
       continue;
     }
     const vector velocity(region.getOrDefault<vector>("velocity", Zero));
-    const scalar d = region.getOrDefault<scalar>("diameter", 0);
-    const scalar drag = region.getOrDefault<scalar>("drag", 0);
     forAll(eps, cell)
     {
       const scalar s = solids(region, cell, t);
       if (s <= 0) continue;
       eps[cell] -= s;
       vp[cell] = velocity;
-      scalar coefficient = drag;
-      if (region.get<word>("shape") != "layers") coefficient *= s/(1 - region.get<scalar>("eps"));
-      if (d > 0)
-      {
-        const scalar w = max(mag(j[cell] - velocity), 1e-12);
-        const scalar re = w*d/nu;
-        const scalar xi = 3.7 - 0.65*exp(-0.5*sqr(1.5 - log10(re)));
-        const scalar force = constant::mathematical::pi/8*sqr(0.63 + 4.8/sqrt(re))*sqr(d*w)
-                           *pow(eps[cell], -xi);
-        coefficient = s/(constant::mathematical::pi/6*pow3(d))*force/w;
-      }
+      const scalar coefficient =
+        dragCoefficient(region, cell, s, eps[cell], mag(j[cell] - velocity), nu);
       D[cell] += coefficient;
       G[cell] += coefficient*eps[cell]*velocity;
     }

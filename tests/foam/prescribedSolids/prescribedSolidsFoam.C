@@ -1,13 +1,44 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The flow part of cfdDemFoam with solids given by formula: for tests of the momentum scheme. */
+/* The flow part of cfdDemFoam with solids given by formula: for tests of the momentum scheme.
+ *
+ * transportProperties: nu, model (A or B), initialNoise (m/s, a random velocity added to every cell).
+ * U of the start time is read as the mixture volume flux j. Each step prints a line "step":
+ *   t; mean of j; largest |j - mean|; largest |j|; range of p_rgh;
+ *   budget: momentum (per fluid density, m4/s) since the start: gained by the fluid; given to it by
+ *   pressure and body force; taken from it by the particles (drag, pressure); and what the
+ *   discretisation made of nothing, gained - given + taken. Shear at walls is not in it. */
 #include "fvCFD.H"
 #include "fixedFluxPressureFvPatchScalarField.H"
+#include "Random.H"
 #include "pimpleControl.H"
 #include "uniformDimensionedFields.H"
 
 #include "mixtureFields.H"
 #include "mixtureScheme.H"
 #include "prescribedSolids.H"
+
+static void addNoise(volVectorField& j, scalar size)
+{
+  Random random(7 + Pstream::myProcNo());
+  for (vector& v : j.primitiveFieldRef())
+  {
+    v += size*(2*random.sample01<vector>() - vector::one);
+  }
+  j.correctBoundaryConditions();
+}
+
+static vector total(const vectorField& perCell)
+{
+  return gSum(perCell);
+}
+
+static OStringStream text(const vector& v)
+{
+  OStringStream out;
+  out.precision(12);
+  out << v.x() << ' ' << v.y() << ' ' << v.z();
+  return out;
+}
 
 int main(int argc, char* argv[])
 {
@@ -30,10 +61,7 @@ int main(int argc, char* argv[])
 
   prescribedSolids solids(mesh);
   mixtureScheme scheme(mesh, model, eps, vp, ap, D, G, bodyAcceleration);
-  solids.update(runTime.value(), nu.value(), j, eps, vp, D, G);
-  const scalar volume = gSum(mesh.V());
-
-  while (runTime.loop())
+  auto updateSolids = [&]()
   {
     solids.update(runTime.value(), nu.value(), j, eps, vp, D, G);
     if (model == mixtureScheme::modelB)
@@ -42,6 +70,18 @@ int main(int argc, char* argv[])
       G /= eps;
     }
     scheme.update();
+  };
+  addNoise(j, transport.getOrDefault<scalar>("initialNoise", 0));
+  updateSolids();
+  U = scheme.interstitial(j);
+  const scalar volume = gSum(mesh.V());
+  const scalarField& V = mesh.V();
+  vector gained(Zero), given(Zero), taken(Zero);
+  vectorField drag(mesh.nCells()), ofVolume(mesh.nCells());
+
+  while (runTime.loop())
+  {
+    updateSolids();
     while (pimple.loop())
     {
       #include "jEqn.H"
@@ -52,11 +92,24 @@ int main(int argc, char* argv[])
     }
     p = p_rgh + (g & mesh.C());
 
-    const vector mean = gSum((mesh.V()*j.primitiveField())())/volume;
+    const scalar dt = runTime.deltaTValue();
+    const surfaceScalarField force
+    (
+      pressureForce + scheme.pressureFactor()*(bodyAcceleration & mesh.Sf())
+    );
+    scheme.reaction(phi, pressureForce, damped, drag, ofVolume);
+    gained += total(V*(j.primitiveField() - j.oldTime().primitiveField()));
+    given += dt*total(V*scheme.reconstruct(force)().primitiveField());
+    taken += dt*total(drag + ofVolume);
+
+    const vector mean = total(V*j.primitiveField())/volume;
     const vectorField deviation(j.primitiveField() - mean);
-    Info<< "step t " << runTime.value() << " mean " << mean.x() << " " << mean.y() << " "
-        << mean.z() << " deviation " << gMax(mag(deviation)()) << " max " << gMax(mag(j)().primitiveField())
-        << " pRange " << gMax(p_rgh) - gMin(p_rgh) << endl;
+    Info<< "step t " << runTime.value() << " mean " << text(mean).str().c_str()
+        << " deviation " << gMax(mag(deviation)()) << " max " << gMax(mag(j)().primitiveField())
+        << " pRange " << gMax(p_rgh) - gMin(p_rgh)
+        << " gained " << text(gained).str().c_str() << " given " << text(given).str().c_str()
+        << " taken " << text(taken).str().c_str()
+        << " discretisation " << text(gained - given + taken).str().c_str() << endl;
     runTime.write();
   }
   return 0;
