@@ -11,6 +11,7 @@
 #include "search.h"
 #include "box_sphere.h"
 #include "polyhedron_sphere.h"
+#include "tensor_grid.h"
 
 #include <math.h>
 #include <string.h>
@@ -268,6 +269,8 @@ int cpl_overlap_exact(cpl_search *s, const double centre[3], double radius, int 
     return part_fail(PART_ERR_RANGE, "overlap: radius %g m is not in (0, inf)", radius);
   walk w = {.s = s, .centre = centre, .radius = radius, .inverse = 1.0 / radius};
   *hint = cpl_search_cell(s, centre, *hint);
+  if (s->tensor != NULL)
+    return cpl_tensor_overlap(s->tensor, s->mesh->volume, centre, radius, list);
   if (*hint >= 0) {
     cpl_search_queue(s, *hint);
     s->volume[*hint] = ball;

@@ -2,6 +2,7 @@
 /* Which cell contains a point; life of a search. */
 #include "search.h"
 #include "sub_cell.h"
+#include "tensor_grid.h"
 #include "polyhedron_sphere.h"
 
 #include <math.h>
@@ -27,6 +28,8 @@ int cpl_search_create(const cpl_mesh *mesh, cpl_search **search) {
     status = cpl_search_build_cells(s);
   if (status == PART_OK)
     status = cpl_search_build_bins(s);
+  if (status == PART_OK)
+    status = cpl_tensor_create(s, &s->tensor);
   if (status != PART_OK) {
     cpl_search_destroy(s);
     return status;
@@ -52,6 +55,7 @@ void cpl_search_destroy(cpl_search *s) {
   free(s->volume);
   free(s->queue);
   cpl_hexes_destroy(s->hexes);
+  cpl_tensor_destroy(s->tensor);
   free(s);
 }
 
@@ -150,6 +154,8 @@ int cpl_search_in(const cpl_search *s, int cell, const double x[3]) {
 }
 
 int cpl_search_cell(cpl_search *s, const double x[3], int hint) {
+  if (s->tensor != NULL)
+    return cpl_tensor_cell(s->tensor, x, s->tie);
   if (hint >= 0 && hint < s->mesh->cells) {
     if (cpl_search_surely_in(s, hint, x))
       return hint;
