@@ -4,15 +4,10 @@
 #include <stdio.h>
 #include <string.h>
 #include "coupling_type.h"
-#include "void_fractions.h"
+#include "sphere.h"
 
 int cpl_agree(const cpl_t *cpl, int status) {
   return cpl->size > 1 ? part_agree(cpl->comm, status) : status;
-}
-
-double cpl_sphere_volume(double radius) {
-  const double pi = 3.14159265358979323846;
-  return 4.0 / 3.0 * pi * radius * radius * radius;
 }
 
 /* ---- life ----------------------------------------------------------------------------------- */

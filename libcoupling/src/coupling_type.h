@@ -67,8 +67,6 @@ int cpl_agree(const cpl_t *cpl, int status);
 /* Local. ERR_STATE unless the particles are those of the last cpl_locate, in that order. */
 int cpl_check_order(const cpl_t *cpl, const cpl_particles *particles, const char *caller);
 
-double cpl_sphere_volume(double radius);
-
 /* Address of component 0 of particle i in a view. */
 static inline const double *cpl_at(const double *base, int stride, int i) {
   return base + (size_t)i * (size_t)stride;

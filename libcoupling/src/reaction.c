@@ -11,6 +11,7 @@
 #include <string.h>
 #include "coupling_type.h"
 #include "match.h"
+#include "sphere.h"
 
 static const double ZERO[3] = {0.0, 0.0, 0.0};
 

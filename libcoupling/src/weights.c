@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "weights.h"
+#include <float.h>
+#include <math.h>
 #include <string.h>
 #include "memory.h"
 #include "rendezvous.h"
+#include "sphere.h"
 #include "void_fractions.h"
 
 /* Overlaps below this part of the sphere are round-off of the geometry (measured <= 1e-14): such a
@@ -69,22 +72,23 @@ static int agree(const cpl_weights *w, int status) {
 }
 
 /* ---- rows ----------------------------------------------------------------------------------- */
+/* Append the overlaps of one sphere. When a sphere holds no sub-cell centre of this rank's cells,
+ * cpl_overlap_sub_cell puts all of it into the cell of its centre. Other ranks may have found
+ * sub-cells, so that is taken out again: rescue() decides when all ranks have answered. */
 static int overlap(cpl_weights *w, int method, const double *sphere, int *hint) {
-  switch (method) {
-  case CPL_VOID_FRACTION_subCell:
-    return cpl_overlap_sub_cell(w->search, w->sub_cells, sphere, sphere[3], hint, &w->list);
-  case CPL_VOID_FRACTION_centre:
-    return cpl_overlap_centre(w->search, sphere, sphere[3], hint, &w->list);
-  default:
-    return cpl_overlap_exact(w->search, sphere, sphere[3], hint, &w->list);
-  }
+  const int first = w->list.count;
+  PART_TRY(cpl_overlap(method, w->search, w->sub_cells, sphere, sphere[3], hint, &w->list));
+  const double whole = cpl_sphere_volume(sphere[3]);
+  if (method == CPL_VOID_FRACTION_subCell && w->list.count == first + 1 &&
+      fabs(w->list.volume[first] - whole) <= 4.0 * DBL_EPSILON * whole)
+    w->list.count = first;
+  return PART_OK;
 }
 
 /* Row k by a method, appended to the list; its volume to row_value[k * stride]. */
 static int make_row(cpl_weights *w, int method, int k, int stride) {
-  const double pi = 3.14159265358979323846;
   const double *sphere = cpl_rendezvous_spheres(w->rendezvous) + 4 * (size_t)k;
-  const double smallest = NOISE * 4.0 / 3.0 * pi * sphere[3] * sphere[3] * sphere[3];
+  const double smallest = NOISE * cpl_sphere_volume(sphere[3]);
   const int first = w->list.count;
   w->start.data[k] = first;
   w->length.data[k] = 0;

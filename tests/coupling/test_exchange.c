@@ -287,7 +287,8 @@ static void test_centre_on_faces(void **state) {
   scene_free(&one);
 }
 
-/* Much smaller than a sub-cell: no sub-cell centre is inside, but nothing is lost. */
+/* Spheres of the size of a sub-cell and far below: many hold no sub-cell centre, some only one of
+ * another rank than that of their own centre. Nothing is lost, and ranks make no difference. */
 static void test_tiny_spheres(void **state) {
   (void)state;
   const mesh_options options = {.kind = MESH_HEX, .n = {4, 4, 4}, .hi = {1, 1, 1}};
@@ -295,17 +296,25 @@ static void test_tiny_spheres(void **state) {
   cpl_params params = scene_params();
   const cpl_fluid fluid = scene_water();
   params.void_fraction = 1;
-  params.sub_cells = 2;
-  scene s;
-  scene_random(&options, MANY, 1e-3, 2e-3, 15, all);
+  params.sub_cells = 3;
+  scene s, one;
+  scene_random(&options, MANY, 1e-3, 6e-2, 15, all);
   scene_mesh(&s, MPI_COMM_WORLD, &options, 1);
+  scene_mesh(&one, MPI_COMM_SELF, &options, 0);
   assert_int_equal(scene_start(&s, &params, &fluid), PART_OK);
+  assert_int_equal(scene_start(&one, &params, &fluid), PART_OK);
   scene_particles(&s, MANY, all, 0, 0);
+  scene_particles(&one, MANY, all, 0, 0);
   assert_int_equal(cpl_locate(s.cpl, &s.view), PART_OK);
+  assert_int_equal(cpl_locate(one.cpl, &one.view), PART_OK);
   double error;
   assert_int_equal(cpl_void_fraction(s.cpl, &s.view, &s.cells, &error), PART_OK);
+  assert_int_equal(cpl_void_fraction(one.cpl, &one.view, &one.cells, NULL), PART_OK);
   assert_true(error < 1e-13);
+  for (int c = 0; c < s.mesh.view.cells; c++)
+    assert_near(s.eps[c], one.eps[scene_global(&s, c)], 1e-13);
   scene_free(&s);
+  scene_free(&one);
 }
 
 /* ---- errors --------------------------------------------------------------------------------- */
