@@ -4,6 +4,7 @@
 #include "convectionScheme.H"
 #include "fvc.H"
 #include "fvm.H"
+#include "mixtureFields.H"
 #include "surfaceInterpolationScheme.H"
 #include "zeroGradientFvPatchFields.H"
 
@@ -142,6 +143,20 @@ tmp<surfaceScalarField> mixtureScheme::solidFlux(const volScalarField& dEpsDt) c
   (
     new surfaceScalarField("phiSolid", fvc::interpolate((1 - eps_)*vp_) & mesh_.Sf())
   );
+  volScalarField psi
+  (
+    IOobject("psi", mesh_.time().timeName(), mesh_), mesh_,
+    dimensionedScalar(dimViscosity, Zero), extrapolatedPatchTypes(mesh_)
+  );
+  mesh_.setFluxRequired("psi");
+  fvScalarMatrix psiEqn
+  (
+    fvm::laplacian(dimensionedScalar("one", dimless, 1), psi, "laplacian(p_rgh)")
+ == dEpsDt - fvc::div(tflux())
+  );
+  psiEqn.setReference(0, 0);
+  psiEqn.solve(mesh_.solver("p_rgh"));
+  tflux.ref() += psiEqn.flux();
   return tflux;
 }
 
@@ -266,6 +281,16 @@ tmp<fvVectorMatrix> mixtureScheme::viscous
   return tM;
 }
 
+/* The transposed part of the stress, explicit: it is not zero where the viscosity varies. */
+tmp<volVectorField> mixtureScheme::transposeStress(const volScalarField& nu, const volVectorField& u)
+  const
+{
+  return fvc::div
+  (
+    (fvc::interpolate(nu)/rf_)*(mesh_.Sf() & fvc::interpolate(dev2(T(fvc::grad(u, "grad(U)")))))
+  );
+}
+
 tmp<surfaceScalarField> mixtureScheme::faceForce(const volVectorField& j) const
 {
   const surfaceVectorField W(fvc::interpolate(j) - vpf_);
@@ -357,11 +382,10 @@ void mixtureScheme::reaction
     const vector dragP = (D_[P]*phi[facei] - (known[P] & Sf[facei]))*dP;
     const vector dragN = (D_[N]*phi[facei] - (known[N] & Sf[facei]))*dN;
     const vector rest = lacking[facei]*(dP + dN) - dragP - dragN;
-    const scalar sP = share((1 - w[facei])*ratio[P], w[facei]*ratio[N]);
     drag[P] += dragP;
     drag[N] += dragN;
-    volume[P] += sP*rest;
-    volume[N] += (1 - sP)*rest;
+    volume[P] += share((1 - w[facei])*ratio[P], w[facei]*ratio[N])*rest;
+    volume[N] += share(w[facei]*ratio[N], (1 - w[facei])*ratio[P])*rest;
   }
   forAll(lacking.boundaryField(), patchi)
   {

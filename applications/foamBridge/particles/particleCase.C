@@ -1,0 +1,206 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "particleCase.H"
+
+#include "OSspecific.H"
+#include "Time.H"
+#include "foamMesh.H"
+#include "foamParams.H"
+#include "wordRes.H"
+
+namespace Foam
+{
+
+static void finalizeMpi()
+{
+  int finalized = 0;
+  MPI_Finalized(&finalized);
+  if (!finalized) MPI_Finalize();
+}
+
+MPI_Comm particleCommunicator()
+{
+  int initialized = 0;
+  MPI_Initialized(&initialized);
+  if (!initialized)
+  {
+    MPI_Init(nullptr, nullptr);
+    atexit(finalizeMpi);
+  }
+  return MPI_COMM_WORLD;
+}
+
+static const dictionary& section(const dictionary& dict, const word& name)
+{
+  if (!dict.isDict(name))
+  {
+    FatalIOErrorInFunction(dict)
+        << "sub-dictionary '" << name << "' is missing" << exit(FatalIOError);
+  }
+  return dict.subDict(name);
+}
+
+static int material(dem_t* dem, const dictionary& dict)
+{
+  int number = -1;
+  checkStatus(dem_find_material(dem, dict.get<word>("material").c_str(), &number), dict);
+  return number;
+}
+
+static void addMaterials(dem_t* dem, const dictionary& properties)
+{
+  for (const entry& e : section(properties, "materials"))
+  {
+    dem_material m;
+    readParams(e.dict(), dem_material_table, &m, wordList({"name"}));
+    if (e.keyword().size() >= sizeof m.name || e.keyword().find('-') != std::string::npos)
+    {
+      FatalIOErrorInFunction(e.dict())
+          << "a material's name is one word without '-' of at most " << label(sizeof m.name - 1)
+          << " letters, not '" << e.keyword() << "'" << exit(FatalIOError);
+    }
+    strcpy(m.name, e.keyword().c_str());
+    int number;
+    checkStatus(dem_add_material(dem, &m, &number), e.dict());
+  }
+}
+
+/* Keys: default, or two materials with a '-' between. */
+static void addContacts(dem_t* dem, const dictionary& properties)
+{
+  for (const entry& e : section(properties, "contacts"))
+  {
+    dem_contact c;
+    readParams(e.dict(), dem_contact_table, &c);
+    int a = -1, b = -1;
+    const std::string& key = e.keyword();
+    if (key != "default")
+    {
+      const std::string::size_type dash = key.find('-');
+      const std::string first = key.substr(0, dash);
+      const std::string second = dash == std::string::npos ? "" : key.substr(dash + 1);
+      checkStatus(dem_find_material(dem, first.c_str(), &a), e.dict());
+      checkStatus(dem_find_material(dem, second.c_str(), &b), e.dict());
+    }
+    checkStatus(dem_set_contact(dem, a, b, &c), e.dict());
+  }
+}
+
+static void addPatches(dem_t* dem, const fvMesh& mesh, const word& name, const dictionary& dict)
+{
+  checkEntries(dict, wordList({"type", "patches", "material"}));
+  const labelHashSet patches =
+    mesh.boundaryMesh().patchSet(dict.get<wordRes>("patches")); // warns of a name without match
+  if (patches.empty())
+  {
+    FatalIOErrorInFunction(dict)
+        << "wall '" << name << "': no patch matches " << dict.get<wordRes>("patches")
+        << "; patches of the mesh: " << flatOutput(mesh.boundaryMesh().names())
+        << exit(FatalIOError);
+  }
+  for (const label patchi : patches.sortedToc())
+  {
+    const List<FixedList<point, 3>> triangles(foamMesh::triangles(mesh, patchi));
+    const word wall(name + ':' + mesh.boundaryMesh()[patchi].name());
+    checkStatus
+    (
+      dem_add_triangles
+      (
+        dem, wall.c_str(), material(dem, dict), triangles.size(),
+        reinterpret_cast<const double*>(triangles.cdata())
+      ),
+      dict
+    );
+  }
+}
+
+static void addWalls(dem_t* dem, const fvMesh& mesh, const dictionary& properties)
+{
+  if (!properties.found("walls")) return;
+  for (const entry& e : section(properties, "walls"))
+  {
+    const dictionary& dict = e.dict();
+    const word type(dict.get<word>("type"));
+    if (type == "patches")
+    {
+      addPatches(dem, mesh, e.keyword(), dict);
+    }
+    else if (type == "plane")
+    {
+      checkEntries(dict, wordList({"type", "point", "normal", "material"}));
+      const vector x(dict.get<vector>("point")), n(dict.get<vector>("normal"));
+      checkStatus
+      (
+        dem_add_plane(dem, e.keyword().c_str(), material(dem, dict), x.cdata(), n.cdata()), dict
+      );
+    }
+    else
+    {
+      FatalIOErrorInFunction(dict)
+          << "wall '" << e.keyword() << "' has type '" << type << "'; valid: plane, patches"
+          << exit(FatalIOError);
+    }
+  }
+}
+
+static void insertAll(dem_t* dem, const dictionary& properties)
+{
+  int block = 0;
+  for (const entry& e : section(properties, "insertion"))
+  {
+    dem_insert insert;
+    readParams(e.dict(), dem_insert_table, &insert);
+    const bool isBlock = insert.kind == DEM_BLOCK;
+    int64_t inserted = 0;
+    checkStatus(dem_insert_particles(dem, &insert, isBlock ? block : -1, &inserted), e.dict());
+    if (isBlock) ++block;
+    Info<< "Inserted " << label(inserted) << " particles: " << e.keyword() << endl;
+  }
+}
+
+dem_t* createParticles
+(
+  const fvMesh& mesh, const dictionary& properties, const part_box& box, const vector& gravity,
+  bool& restarted
+)
+{
+  dem_params params;
+  part_params_default(&dem_params_table, &params);
+  for (direction d = 0; d < 3; ++d) params.gravity[d] = gravity[d];
+  updateParams
+  (
+    properties, dem_params_table, &params,
+    wordList({"materials", "contacts", "walls", "insertion", "insertTime"})
+  );
+  dem_t* dem = nullptr;
+  checkStatus(dem_create(particleCommunicator(), &box, &params, &dem), properties);
+  addMaterials(dem, properties);
+  addContacts(dem, properties);
+  addWalls(dem, mesh, properties);
+
+  const Time& time = mesh.time();
+  const fileName file(time.globalPath()/"particles"/time.timeName() + ".vtkhdf");
+  const scalar insertTime = properties.getOrDefault<scalar>("insertTime", 0);
+  const bool start = mag(time.value() - insertTime) < SMALL + 1e-6*time.deltaTValue();
+  restarted = !start;
+  if (start)
+  {
+    insertAll(dem, properties);
+  }
+  else if (isFile(file))
+  {
+    Info<< "Reading particles from " << file << endl;
+    checkStatus(dem_read(dem, file.c_str()), properties);
+  }
+  else
+  {
+    FatalIOErrorInFunction(properties)
+        << "the run starts at time " << time.timeName() << " but there is no " << file
+        << " to go on from, and particles are inserted at insertTime = " << insertTime
+        << exit(FatalIOError);
+  }
+  dem_set_time(dem, time.value());
+  checkStatus(dem_start(dem), properties);
+  return dem;
+}
+
+} // namespace Foam

@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "particlePhase.H"
+
+#include "OSspecific.H"
+#include "Time.H"
+#include "foamParams.H"
+#include "particleCase.H"
+#include "particleCloud.H"
+#include "mixtureFields.H"
+
+namespace Foam
+{
+
+static IOdictionary readConstant(const fvMesh& mesh, const word& name)
+{
+  return IOdictionary
+  (
+    IOobject(name, mesh.time().constant(), mesh, IOobject::MUST_READ, IOobject::NO_WRITE)
+  );
+}
+
+static const double* data(const vectorField& field)
+{
+  return reinterpret_cast<const double*>(field.cdata());
+}
+
+static double* data(vectorField& field) { return reinterpret_cast<double*>(field.data()); }
+
+static bool anyMoves(part_store* s)
+{
+  const int64_t* kind = part_field_int64(s, DEM_FIELD_KIND);
+  const int stride = part_field_stride(s, DEM_FIELD_KIND);
+  bool moves = false;
+  for (int i = 0; i < s->local; ++i) moves = moves || kind[i*stride] != DEM_FIXED;
+  reduce(moves, orOp<bool>());
+  return moves;
+}
+
+/* The particles of libdem, in the order they have now. */
+static cpl_particles particleView(part_store* s)
+{
+  cpl_particles v = cpl_particles();
+  v.count = s->local;
+  v.position = part_field_double(s, DEM_FIELD_POSITION);
+  v.position_stride = part_field_stride(s, DEM_FIELD_POSITION);
+  v.radius = part_field_double(s, DEM_FIELD_RADIUS);
+  v.radius_stride = part_field_stride(s, DEM_FIELD_RADIUS);
+  v.velocity = part_field_double(s, DEM_FIELD_VELOCITY);
+  v.velocity_stride = part_field_stride(s, DEM_FIELD_VELOCITY);
+  v.inverse_mass = part_field_double(s, DEM_FIELD_INVERSE_MASS);
+  v.inverse_mass_stride = part_field_stride(s, DEM_FIELD_INVERSE_MASS);
+  v.id = part_field_int64(s, DEM_FIELD_ID);
+  v.id_stride = part_field_stride(s, DEM_FIELD_ID);
+  v.kind = part_field_int64(s, DEM_FIELD_KIND);
+  v.kind_stride = part_field_stride(s, DEM_FIELD_KIND);
+  v.fluid_su = part_field_double(s, DEM_FIELD_FLUID_SU);
+  v.fluid_su_stride = part_field_stride(s, DEM_FIELD_FLUID_SU);
+  v.fluid_sp = part_field_double(s, DEM_FIELD_FLUID_SP);
+  v.fluid_sp_stride = part_field_stride(s, DEM_FIELD_FLUID_SP);
+  v.fluid_impulse = part_field_double(s, DEM_FIELD_FLUID_IMPULSE);
+  v.fluid_impulse_stride = part_field_stride(s, DEM_FIELD_FLUID_IMPULSE);
+  return v;
+}
+
+particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
+:
+  mesh_(mesh),
+  fluid_(fluid),
+  demDict_(readConstant(mesh, "demProperties")),
+  couplingDict_(readConstant(mesh, "couplingProperties")),
+  meshView_(mesh),
+  params_(),
+  dem_(nullptr),
+  cpl_(nullptr),
+  view_(),
+  generation_(-1),
+  moved_(true),
+  still_(false),
+  restarted_(false),
+  volumeError_(0),
+  substeps_(0),
+  epsParticles_
+  (
+    IOobject("epsParticles", mesh.time().timeName(), mesh, IOobject::READ_IF_PRESENT, IOobject::NO_WRITE),
+    mesh, dimensionedScalar("one", dimless, 1), extrapolatedPatchTypes(mesh)
+  ),
+  pressureAcceleration_
+  (
+    IOobject
+    (
+      "pressureAcceleration", mesh.time().timeName(), mesh, IOobject::READ_IF_PRESENT,
+      IOobject::AUTO_WRITE
+    ),
+    mesh, dimensionedVector(dimAcceleration, Zero), extrapolatedPatchTypes(mesh)
+  )
+{
+  readParams(couplingDict_, cpl_params_table, &params_);
+  const part_box box = foamMesh::box(mesh);
+  dem_ = createParticles(mesh, demDict_, box, fluid.gravity, restarted_);
+  still_ = demDict_.getOrDefault("skip", true) && !anyMoves(dem_store(dem_));
+
+  cpl_fluid properties;
+  properties.density = fluid.density;
+  properties.viscosity = fluid.viscosity*fluid.density;
+  for (direction d = 0; d < 3; ++d) properties.gravity[d] = fluid.gravity[d];
+  checkStatus
+  (
+    cpl_create
+    (
+      particleCommunicator(), &meshView_.view(), &box, &params_, &properties, &cpl_
+    ),
+    couplingDict_
+  );
+  if (!params_.two_way) epsParticles_.writeOpt() = IOobject::AUTO_WRITE;
+}
+
+particlePhase::~particlePhase()
+{
+  cpl_destroy(cpl_);
+  dem_destroy(dem_);
+}
+
+/* Weights of the particles where they are now; nothing to do if they have not moved. */
+void particlePhase::locate()
+{
+  view_ = particleView(dem_store(dem_));
+  if (!moved_ && generation_ == dem_generation(dem_)) return;
+  checkStatus(cpl_locate(cpl_, &view_), "particlePhase::locate");
+  generation_ = dem_generation(dem_);
+  moved_ = false;
+}
+
+void particlePhase::deposit(volScalarField& eps, volVectorField& vp)
+{
+  locate();
+  cpl_cells cells = cpl_cells();
+  cells.eps = epsParticles_.primitiveFieldRef().data();
+  cells.solid_velocity = data(vp.primitiveFieldRef());
+  checkStatus(cpl_void_fraction(cpl_, &view_, &cells, &volumeError_), couplingDict_);
+  epsParticles_.correctBoundaryConditions();
+  if (params_.two_way)
+  {
+    eps = epsParticles_;
+  }
+  else
+  {
+    vp.primitiveFieldRef() = Zero; // the flow does not know that there are particles
+  }
+  vp.correctBoundaryConditions();
+}
+
+bool particlePhase::start(volScalarField& eps, volVectorField& vp)
+{
+  if (!restarted_)
+  {
+    deposit(eps, vp);
+    return true;
+  }
+  if (params_.two_way) epsParticles_ = eps;
+  return false;
+}
+
+void particlePhase::begin(const volVectorField& U, const volVectorField& stress)
+{
+  locate();
+  const vectorField superficial(epsParticles_.primitiveField()*U.primitiveField());
+  const vectorField gradient(-fluid_.density*pressureAcceleration_.primitiveField());
+  const vectorField divTau(fluid_.density*stress.primitiveField());
+  cpl_cells cells = cpl_cells();
+  cells.eps = epsParticles_.primitiveFieldRef().data();
+  cells.superficial = data(superficial);
+  cells.pressure_gradient = data(gradient);
+  cells.stress_divergence = data(divTau);
+  checkStatus(cpl_sample_fluid(cpl_, &view_, &cells), "particlePhase::begin");
+  checkStatus(cpl_fluid_force(cpl_, &view_), "particlePhase::begin");
+}
+
+void particlePhase::advance(scalar dt, volScalarField& eps, volVectorField& vp, volVectorField& ap)
+{
+  const vectorField before(vp.primitiveField());
+  checkStatus(dem_advance(dem_, dt, &substeps_), demDict_);
+  if (still_)
+  {
+    view_ = particleView(dem_store(dem_));
+    return;
+  }
+  moved_ = true;
+  deposit(eps, vp);
+  forAll(ap, celli)
+  {
+    const bool solid = before[celli] != vector::zero && vp[celli] != vector::zero;
+    ap[celli] = solid ? (vp[celli] - before[celli])/dt : vector(Zero);
+  }
+  ap.correctBoundaryConditions();
+}
+
+void particlePhase::source(scalar dt, volScalarField& D, volVectorField& G)
+{
+  cpl_cells cells = cpl_cells();
+  cells.eps = epsParticles_.primitiveFieldRef().data();
+  cells.drag_coefficient = D.primitiveFieldRef().data();
+  cells.drag_explicit = data(G.primitiveFieldRef());
+  checkStatus(cpl_momentum_source(cpl_, &view_, &cells, dt), "particlePhase::source");
+  D.primitiveFieldRef() /= fluid_.density;
+  G.primitiveFieldRef() /= fluid_.density;
+  D.correctBoundaryConditions();
+  G.correctBoundaryConditions();
+}
+
+void particlePhase::react
+(
+  scalar dt, const volVectorField& pressure, const vectorField& drag, const vectorField& volume
+)
+{
+  pressureAcceleration_ = pressure;
+  if (!params_.two_way) return;
+  const scalarField& V = mesh_.V();
+  forAll(volume, celli)
+  {
+    const scalar solid = V[celli]*(1 - epsParticles_[celli]);
+    if (solid > 1e-6*V[celli]) pressureAcceleration_[celli] = volume[celli]/solid;
+  }
+  const vectorField dragImpulse(fluid_.density*dt*drag), volumeImpulse(fluid_.density*dt*volume);
+  kick_.setSize(3*view_.count);
+  checkStatus
+  (
+    cpl_reaction(cpl_, &view_, data(dragImpulse), data(volumeImpulse), dt, kick_.data()),
+    "particlePhase::react"
+  );
+  checkStatus(dem_kick(dem_, kick_.cdata()), "particlePhase::react");
+}
+
+scalar particlePhase::courant(scalar dt) const
+{
+  dem_report r;
+  checkStatus(dem_get_report(dem_, &r), "particlePhase::courant");
+  return r.max_speed*dt/cbrt(gMin(mesh_.V()));
+}
+
+scalar particlePhase::particleSteps() const
+{
+  return returnReduce(scalar(view_.count)*substeps_, sumOp<scalar>());
+}
+
+void particlePhase::write()
+{
+  const fileName folder(mesh_.time().globalPath()/"particles");
+  if (Pstream::master()) mkDir(folder);
+  const fileName file(folder/mesh_.time().timeName() + ".vtkhdf");
+  checkStatus
+  (
+    dem_write(dem_, file.c_str(), (folder/"particles.vtkhdf.series").c_str()), "particlePhase::write"
+  );
+  moved_ = true; // the order is new
+  writeParticleCloud(mesh_, dem_store(dem_), particleCommunicator());
+}
+
+void particlePhase::reportPlan(Ostream& os) const
+{
+  char text[4096];
+  checkStatus(dem_plan_text(dem_, sizeof text, text), "particlePhase::reportPlan");
+  os << text;
+  if (still_) os << "locate, void fraction | no particle can move | worked out once" << nl;
+  checkStatus(cpl_plan_text(cpl_, sizeof text, text), "particlePhase::reportPlan");
+  os << text;
+}
+
+void particlePhase::report(Ostream& os) const
+{
+  dem_report r;
+  checkStatus(dem_get_report(dem_, &r), "particlePhase::report");
+  os << "Particles: " << label(r.particles) << " substeps " << substeps_ << " contacts "
+     << label(r.contacts) << " + " << label(r.wall_contacts) << " on walls, max overlap "
+     << r.max_overlap << ", max speed " << r.max_speed << " m/s, volume error " << volumeError_ << nl
+     << "Particle momentum budget: error " << r.budget_error;
+  if (params_.two_way)
+  {
+    cpl_budget b;
+    if (cpl_get_budget(cpl_, &b) == PART_OK)
+    {
+      os << nl << "Exchange: fluid gave (" << b.fluid[0] << ' ' << b.fluid[1] << ' ' << b.fluid[2]
+         << ") N s, particles received (" << b.particles[0] << ' ' << b.particles[1] << ' '
+         << b.particles[2] << ") N s, error " << b.error;
+    }
+  }
+  os << endl;
+}
+
+void particlePhase::reportTimers(Ostream& os) const
+{
+  char text[4096];
+  checkStatus(part_timers_report(dem_timers(dem_), particleCommunicator(), sizeof text, text), "timers");
+  os << text;
+  checkStatus(part_timers_report(cpl_timers(cpl_), particleCommunicator(), sizeof text, text), "timers");
+  os << text;
+}
+
+} // namespace Foam

@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* cfdDemFoam: flow of a fluid through and with particles (CFD-DEM).
+ *
+ *   cells --sample--> particles --substeps--> particles --deposit--> cells --flow--> reaction
+ *
+ * The fluid is incompressible and locally averaged (model A or B); its unknown is the mixture volume
+ * flux j (applications/foamBridge/mixtureScheme). Particles are those of libdem, the exchange is that
+ * of libcoupling. See doc/equations.md. */
+#include "PhaseIncompressibleTurbulenceModel.H"
+#include "fixedFluxPressureFvPatchScalarField.H"
+#include "fvCFD.H"
+#include "pimpleControl.H"
+#include "singlePhaseTransportModel.H"
+#include "uniformDimensionedFields.H"
+
+#include "mixtureFields.H"
+#include "mixtureScheme.H"
+#include "operatorSelfTest.H"
+#include "particlePhase.H"
+#include "progress.H"
+
+int main(int argc, char* argv[])
+{
+  argList::addNote
+  (
+    "Coupled CFD-DEM: incompressible fluid on the mesh (laminar or OpenFOAM turbulence model),\n"
+    "particles from constant/demProperties, exchange from constant/couplingProperties."
+  );
+  argList::addBoolOption("selfTest", "check the OpenFOAM operators on this mesh before running");
+  #include "setRootCaseLists.H"
+  #include "createTime.H"
+  #include "createMesh.H"
+  pimpleControl pimple(mesh);
+  #include "createTimeControls.H"
+  #include "createFields.H"
+  #include "createPhases.H"
+  #include "initContinuityErrs.H"
+
+  if (args.found("selfTest") && !operatorSelfTest(mesh, Info))
+  {
+    FatalErrorInFunction << "an OpenFOAM operator is wrong on this mesh" << exit(FatalError);
+  }
+  progress pace(runTime);
+  while (runTime.run())
+  {
+    #include "readTimeControls.H"
+    #include "mixtureCourant.H"
+    #include "setDeltaT.H"
+    ++runTime;
+    Info<< "Time = " << runTime.timeName() << ", deltaT = " << runTime.deltaTValue() << nl;
+    const scalar dt = runTime.deltaTValue();
+
+    solids.begin(U, stress);       // fluid force on the particles
+    solids.advance(dt, eps, vp, ap); // contact steps; where the particles are
+    solids.source(dt, D, G);       // their drag on the fluid
+    scheme.update();
+
+    while (pimple.loop())
+    {
+      #include "jEqn.H"
+      while (pimple.correct())
+      {
+        #include "pEqn.H"
+      }
+      if (turbulent && pimple.turbCorr())
+      {
+        phiFluid = phi - scheme.solidFlux((eps - epsOld)/runTime.deltaT());
+        transport.correct();
+        turbulence->correct();
+        nuEff = turbulence->nuEff();
+      }
+    }
+    #include "reaction.H"
+    p = p_rgh + (g & mesh.C());
+    epsOld = eps;
+
+    solids.report(Info);
+    runTime.write();
+    if (runTime.writeTime()) solids.write();
+    pace.report(Info, solids.particleSteps());
+  }
+  solids.reportTimers(Info);
+  Info<< "End" << nl << endl;
+  return 0;
+}
