@@ -83,6 +83,10 @@ static dem_report run_bed(MPI_Comm comm, int skip, body *bodies)
     report.contacts += contacts;
     report.wall_contacts += wall_contacts;
   }
+  int ranks;
+  MPI_Comm_size(comm, &ranks);
+  if (ranks > 1)
+    assert_in_range(dem_store(dem)->local, 300 / ranks - 60, 300 / ranks + 60);
   find_all(dem, comm, 300, bodies);
   dem_destroy(dem);
   return report;
