@@ -42,21 +42,30 @@ int part_domain_imbalance(const part_domain *domain, const part_store *store, do
 
 /* Collective. Wrap positions into periodic directions and send every own particle to its owner,
  * with a variable payload per particle (payload_count[i] elements of payload_size bytes; NULL when
- * there is none) such as contact history. Drops ghosts. ERR_OUTSIDE: a particle is not finite or
- * outside a bounded direction: the text names id, position. On return *payload_count and *payload
- * (caller frees) belong to the new own particles. */
+ * there is none) such as contact history. Drops ghosts. Those that stay keep their order and come
+ * first, then those that arrive by source rank and the order they had there. ERR_OUTSIDE: a
+ * particle is not finite or outside a bounded direction: the text names id, position. On return
+ * *payload_count and *payload (caller frees; allocated with malloc or calloc) belong to the new own
+ * particles. After a failure store and payload are as they were, but for wrapped positions. */
 int part_domain_migrate(part_domain *domain, part_store *store, size_t payload_size,
                         int **payload_count, void **payload);
 
-/* Collective. Ghost copies of all particles within `reach` (m) of the own part, across periodic
- * borders too (positions shifted), as an exchange that update repeats. A box that is not at least
- * 2 reach long in a periodic direction is ERR_RANGE (a pair would meet twice). */
+/* Collective. Ghost copies of all particles within `reach` (m) of the box around the own particles,
+ * across periodic borders too (positions shifted), as an exchange that update repeats. So every
+ * pair closer than reach is complete, also for particles that have moved out of their part since
+ * they migrated. Copies come by source rank, then in the order of the originals there. They hold
+ * the records with PART_GHOST, record 0 and the id; others are zero. A box that is not at least 2
+ * reach long in a periodic direction is ERR_RANGE (a pair would meet twice); a particle more than a
+ * quarter of its length outside is ERR_OUTSIDE. */
 int part_domain_ghosts(part_domain *domain, part_store *store, double reach);
-/* Collective. Refresh the PART_GHOST records of the copies from their originals, shift kept. */
+/* Collective. Refresh record 0 and the PART_GHOST records of the copies from their originals, shift
+ * kept. ERR_STATE: own particles or ghosts are not those of the last part_domain_ghosts (on every
+ * rank, or the others wait). */
 int part_domain_update_ghosts(part_domain *domain, part_store *store);
 
-/* The decomposition as bytes, for restart: the same cuts give the same ranks bit for bit. save
- * allocates *bytes (caller frees), per rank. load needs the same number of ranks. */
+/* The decomposition as bytes, for restart: the same cuts give the same ranks bit for bit. save is
+ * local and allocates *bytes (caller frees): the part of this rank. load is collective, takes on
+ * every rank what that rank saved, and needs the same number of ranks (ERR_FORMAT). */
 int part_domain_save(part_domain *domain, size_t *size, unsigned char **bytes);
 int part_domain_load(part_domain *domain, size_t size, const unsigned char *bytes);
 

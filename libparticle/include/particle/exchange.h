@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Exchange: every item names the rank it goes to. A plan is made once and used for any number of
- * messages forth and back. Law (tested): reverse(forward(x)) = x for any plan. Built on Zoltan's
- * communication package; items for the own rank are copied without a message. */
+ * messages forth and back. Law (tested): reverse(forward(x)) = x for any plan. Only ranks that have
+ * items for each other exchange messages; forward and reverse synchronise no others (Zoltan's
+ * communication package makes an MPI_Allreduce in each, and counts bytes in int). Items for the own
+ * rank are copied without a message, and a plan on one rank makes no MPI call after its creation. */
 #ifndef PARTICLE_EXCHANGE_H
 #define PARTICLE_EXCHANGE_H
 
@@ -26,14 +28,14 @@ int part_exchange_receive_count(const part_exchange *plan);
 /* Source rank of each received item; [receive_count], owned by the plan. */
 const int *part_exchange_source(const part_exchange *plan);
 
-/* Collective. Items of item_size bytes: send[send_count] -> received[receive_count]. */
+/* All ranks call. Items of item_size bytes: send[send_count] -> received[receive_count]. */
 int part_exchange_forward(part_exchange *plan, size_t item_size, const void *send, void *received);
-/* Collective. The way back: send[receive_count] -> received[send_count], in the sender's order. */
+/* All ranks call. The way back: send[receive_count] -> received[send_count], in the sender's order. */
 int part_exchange_reverse(part_exchange *plan, size_t item_size, const void *send, void *received);
 
 /* Collective. Items of different sizes: item k has count[k] elements of element_size bytes, packed
  * one after the other. *received_count[receive_count] and *received are allocated here and freed
- * by the caller with free(). */
+ * by the caller with free(). ERR_RANGE: more than 2^31 - 1 elements on one rank. */
 int part_exchange_forward_variable(part_exchange *plan, size_t element_size, const int *count,
                                    const void *send, int **received_count, void **received);
 

@@ -15,12 +15,12 @@ extern "C" {
 #endif
 
 typedef struct part_pairs {
-  int rows;        /* own particles when the list was built */
-  int *start;      /* [rows+1] */
-  int *partner;    /* [start[rows]] index of j */
-  int data_width;  /* doubles per pair, 0: none */
-  double *data;    /* [start[rows]][data_width]; zero for a pair that is new */
-  double skin;     /* m, added to the sum of radii */
+  int rows;       /* own particles when the list was built */
+  int *start;     /* [rows+1] */
+  int *partner;   /* [start[rows]] index of j */
+  int data_width; /* doubles per pair, 0: none */
+  double *data;   /* [start[rows]][data_width]; zero for a pair that is new */
+  double skin;    /* m, added to the sum of radii */
 } part_pairs;
 
 int part_pairs_create(int data_width, part_pairs **pairs);

@@ -30,12 +30,12 @@ typedef struct part_record {
 } part_record;
 
 typedef struct part_field {
-  const char *name;  /* as written to files */
-  int record;        /* index into the record table */
-  int offset;        /* first component */
-  int comps;         /* 1, 3, ... */
-  unsigned flags;    /* PART_MOVES | ... ; PART_GHOST holds for the whole record */
-  const char *unit;  /* "m/s" */
+  const char *name; /* as written to files */
+  int record;       /* index into the record table */
+  int offset;       /* first component */
+  int comps;        /* 1, 3, ... */
+  unsigned flags;   /* PART_MOVES | ...; MOVES and GHOST hold for the whole record */
+  const char *unit; /* "m/s" */
   const char *meaning;
 } part_field;
 
@@ -73,32 +73,29 @@ int part_store_compact(part_store *store, const unsigned char *keep);
 /* New order: particle k becomes the old order[k], for all own particles; drops the ghosts. */
 int part_store_permute(part_store *store, const int *order);
 
-/* Move fields of the items flagged (PART_MOVES) in and out of a flat buffer; bytes per particle. */
+/* Move records with a field flagged (PART_MOVES or PART_GHOST) in and out of a flat buffer,
+ * particle by particle; bytes per particle. A flag of one field holds for its whole record. index
+ * NULL: the first n. */
 size_t part_store_item_size(const part_store *store, unsigned flag);
 void part_store_pack(const part_store *store, unsigned flag, int n, const int *index, void *buffer);
 void part_store_unpack(part_store *store, unsigned flag, int first, int n, const void *buffer);
 
 /* Base of a record and of a field, and the stride of a field in doubles. */
-static inline double *part_record_double(const part_store *store, int record)
-{
+static inline double *part_record_double(const part_store *store, int record) {
   return (double *)store->record[record];
 }
-static inline int64_t *part_record_int64(const part_store *store, int record)
-{
+static inline int64_t *part_record_int64(const part_store *store, int record) {
   return (int64_t *)store->record[record];
 }
-static inline double *part_field_double(const part_store *store, int field)
-{
+static inline double *part_field_double(const part_store *store, int field) {
   const part_field *f = &store->layout->fields[field];
   return (double *)store->record[f->record] + f->offset;
 }
-static inline int64_t *part_field_int64(const part_store *store, int field)
-{
+static inline int64_t *part_field_int64(const part_store *store, int field) {
   const part_field *f = &store->layout->fields[field];
   return (int64_t *)store->record[f->record] + f->offset;
 }
-static inline int part_field_stride(const part_store *store, int field)
-{
+static inline int part_field_stride(const part_store *store, int field) {
   return store->layout->records[store->layout->fields[field].record].width;
 }
 
