@@ -218,6 +218,24 @@ static void test_periodic_images(void **state) {
       assert_near(solid, corner ? volume_of(&p) / 8.0 : 0.0, 1e-15);
     }
   }
+  /* 0.07 of it across the upper border: a cap in the first cell; and the mirror image of that */
+  const double cap = PI * 0.07 * 0.07 * (3.0 * 0.1 - 0.07) / 3.0;
+  for (int axis = 0; axis < 3; axis++)
+    for (int upper = 0; upper < 2; upper++) {
+      particle p = {{0.375, 0.375, 0.375}, 0.1, {0, 0, 0}, 1000.0, 0};
+      p.x[axis] = upper ? 0.97 : 0.03;
+      scene_particles(&s, 1, &p, 0, 0);
+      assert_int_equal(cpl_locate(s.cpl, &s.view), PART_OK);
+      assert_int_equal(cpl_void_fraction(s.cpl, &s.view, &s.cells, NULL), PART_OK);
+      for (int c = 0; c < s.mesh.view.cells; c++) {
+        const int g = scene_global(&s, c), at3[3] = {g % 4, g / 4 % 4, g / 16};
+        const int row = at3[(axis + 1) % 3] == 1 && at3[(axis + 2) % 3] == 1;
+        const double expected = !row || at3[axis] % 3 != 0     ? 0.0
+                                : at3[axis] == (upper ? 0 : 3) ? cap
+                                                               : volume_of(&p) - cap;
+        assert_near((1.0 - s.eps[c]) * s.mesh.volume[c], expected, 1e-15);
+      }
+    }
   const particle large = {{0.5, 0.5, 0.5}, 0.51, {0, 0, 0}, 1000.0, 0};
   scene_particles(&s, 1, &large, 0, 0);
   assert_int_equal(cpl_locate(s.cpl, &s.view), PART_ERR_RANGE);
@@ -291,30 +309,65 @@ static void test_centre_on_faces(void **state) {
  * another rank than that of their own centre. Nothing is lost, and ranks make no difference. */
 static void test_tiny_spheres(void **state) {
   (void)state;
-  const mesh_options options = {.kind = MESH_HEX, .n = {4, 4, 4}, .hi = {1, 1, 1}};
-  particle all[MANY];
+  enum { TINY = 3000 };
+  /* sub-cells differ in size along x, so that the nearest centre may be that of the next cell */
+  const mesh_options options = {
+      .kind = MESH_HEX, .n = {6, 4, 4}, .hi = {1, 1, 1}, .grade = {50, 0, 0}};
+  particle *all = mesh_alloc(TINY, sizeof *all);
   cpl_params params = scene_params();
   const cpl_fluid fluid = scene_water();
   params.void_fraction = 1;
   params.sub_cells = 3;
   scene s, one;
-  scene_random(&options, MANY, 1e-3, 6e-2, 15, all);
+  scene_random(&options, TINY, 1e-3, 6e-2, 15, all);
   scene_mesh(&s, MPI_COMM_WORLD, &options, 1);
   scene_mesh(&one, MPI_COMM_SELF, &options, 0);
   assert_int_equal(scene_start(&s, &params, &fluid), PART_OK);
   assert_int_equal(scene_start(&one, &params, &fluid), PART_OK);
-  scene_particles(&s, MANY, all, 0, 0);
-  scene_particles(&one, MANY, all, 0, 0);
+  scene_particles(&s, TINY, all, 0, 0);
+  scene_particles(&one, TINY, all, 0, 0);
   assert_int_equal(cpl_locate(s.cpl, &s.view), PART_OK);
   assert_int_equal(cpl_locate(one.cpl, &one.view), PART_OK);
-  double error;
-  assert_int_equal(cpl_void_fraction(s.cpl, &s.view, &s.cells, &error), PART_OK);
-  assert_int_equal(cpl_void_fraction(one.cpl, &one.view, &one.cells, NULL), PART_OK);
-  assert_true(error < 1e-13);
-  for (int c = 0; c < s.mesh.view.cells; c++)
-    assert_near(s.eps[c], one.eps[scene_global(&s, c)], 1e-13);
+  double *value = mesh_alloc(TINY, sizeof *value);
+  double *cell = mesh_alloc((size_t)s.mesh.view.cells, sizeof *cell);
+  double *cell_one = mesh_alloc((size_t)one.mesh.view.cells, sizeof *cell);
+  for (int i = 0; i < TINY; i++)
+    value[i] = 1.0;
+  assert_int_equal(cpl_deposit(s.cpl, 1, value, cell), PART_OK);
+  assert_int_equal(cpl_deposit(one.cpl, 1, value, cell_one), PART_OK);
+  double sum = 0.0;
+  for (int c = 0; c < s.mesh.view.cells; c++) {
+    sum += cell[c];
+    assert_near(cell[c], cell_one[scene_global(&s, c)], 1e-12 * TINY);
+  }
+  assert_near(sum_over(s.comm, sum), TINY, 1e-13 * TINY);
+  free(all);
+  free(value);
+  free(cell);
+  free(cell_one);
   scene_free(&s);
   scene_free(&one);
+}
+
+/* Volume-weighted: two spheres of different size and velocity in one cell, none in the others. */
+static void test_solid_velocity(void **state) {
+  (void)state;
+  const mesh_options options = {.kind = MESH_HEX, .n = {2, 2, 2}, .hi = {1, 1, 1}};
+  const cpl_params params = scene_params();
+  const cpl_fluid fluid = scene_water();
+  scene s;
+  scene_mesh(&s, MPI_COMM_WORLD, &options, 0);
+  assert_int_equal(scene_start(&s, &params, &fluid), PART_OK);
+  const particle p[2] = {{{0.2, 0.2, 0.2}, 0.05, {1.0, -2.0, 0.5}, 1000.0, 0},
+                         {{0.3, 0.3, 0.3}, 0.1, {-0.5, 1.0, 4.0}, 3000.0, 0}};
+  scene_particles(&s, 2, p, 0, 0);
+  assert_int_equal(cpl_locate(s.cpl, &s.view), PART_OK);
+  assert_int_equal(cpl_void_fraction(s.cpl, &s.view, &s.cells, NULL), PART_OK);
+  for (int c = 0; c < s.mesh.view.cells; c++)
+    for (int d = 0; d < 3; d++)
+      assert_near(s.solid_velocity[3 * c + d],
+                  scene_global(&s, c) == 0 ? (p[0].v[d] + 8.0 * p[1].v[d]) / 9.0 : 0.0, 1e-14);
+  scene_free(&s);
 }
 
 /* ---- errors --------------------------------------------------------------------------------- */
@@ -446,6 +499,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(test_partly_in_a_wall),
       cmocka_unit_test(test_centre_on_faces),
       cmocka_unit_test(test_tiny_spheres),
+      cmocka_unit_test(test_solid_velocity),
       cmocka_unit_test(test_bad_particles),
       cmocka_unit_test(test_too_dense),
       cmocka_unit_test(test_reuse),
