@@ -81,10 +81,10 @@ static void write_file(MPI_Comm comm, const char *path, double time, const part_
                        const char *series) {
   part_file *file;
   int rank;
-  unsigned char bytes[40];
+  unsigned char bytes[200];
   const double values[3] = {0.1, 2.5, -1e300};
   MPI_Comm_rank(comm, &rank);
-  for (int k = 0; k < 40; k++)
+  for (int k = 0; k < 200; k++)
     bytes[k] = (unsigned char)(100 * rank + k);
   OK(part_file_create(comm, path, time, &file));
   OK(part_file_write_store(file, store));
