@@ -39,8 +39,11 @@ tmp<volVectorField> mixtureField
   (
     new volVectorField
     (
-      IOobject("j", U.time().timeName(), U.mesh()), U.mesh(), dimensionedVector(dimVelocity, Zero),
-      types
+      IOobject
+      (
+        "mixtureField", U.time().timeName(), U.mesh(), IOobject::NO_READ, IOobject::NO_WRITE, false
+      ),
+      U.mesh(), dimensionedVector(dimVelocity, Zero), types
     )
   );
   volVectorField& j = tj.ref();

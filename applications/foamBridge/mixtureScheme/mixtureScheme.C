@@ -73,9 +73,71 @@ mixtureScheme::mixtureScheme
   m_(faceVector(mesh, "porosityNormal", dimless)),
   jump_(faceScalar(mesh, "BernoulliJump", dimLength)),
   snGradREps_(faceScalar(mesh, "snGradREps", dimless/dimLength)),
+  armOwn_(faceVector(mesh, "armOwn", dimLength)),
+  armNei_(faceVector(mesh, "armNei", dimLength)),
   solids_(false),
   uniform_(true)
-{}
+{
+  makeArms();
+}
+
+/* On planar faces (1/V) sum (x_f - x_P) S is the unit tensor; on warped ones it is not, and the arms
+ * are corrected by its inverse, so that reconstruct() is exact for uniform vectors on any mesh. */
+void mixtureScheme::makeArms()
+{
+  const labelUList& own = mesh_.owner();
+  const labelUList& nei = mesh_.neighbour();
+  const surfaceVectorField& Cf = mesh_.Cf();
+  const surfaceVectorField& Sf = mesh_.Sf();
+  const volVectorField& C = mesh_.C();
+  volTensorField correction
+  (
+    IOobject("armCorrection", mesh_.time().timeName(), mesh_), mesh_,
+    dimensionedTensor(dimless, Zero), extrapolatedPatchTypes(mesh_)
+  );
+  tensorField& M = correction.primitiveFieldRef();
+  forAll(nei, facei)
+  {
+    M[own[facei]] += (Cf[facei] - C[own[facei]])*Sf[facei];
+    M[nei[facei]] -= (Cf[facei] - C[nei[facei]])*Sf[facei];
+  }
+  forAll(mesh_.boundary(), patchi)
+  {
+    const fvPatch& patch = mesh_.boundary()[patchi];
+    const labelUList& cells = patch.faceCells();
+    forAll(patch, i) M[cells[i]] += (patch.Cf()[i] - C[cells[i]])*Sf.boundaryField()[patchi][i];
+  }
+  const Vector<label>& dirs = mesh_.geometricD();
+  forAll(M, celli)
+  {
+    M[celli] /= mesh_.V()[celli];
+    for (direction d = 0; d < 3; ++d)
+    {
+      if (dirs[d] < 0) M[celli].component(4*d) = 1; // an empty direction has no faces
+    }
+    M[celli] = mag(M[celli] - tensor::I) < 1e-10 ? tensor(tensor::I) : inv(M[celli]);
+  }
+  correction.correctBoundaryConditions();
+
+  forAll(nei, facei)
+  {
+    armOwn_[facei] = M[own[facei]] & (Cf[facei] - C[own[facei]]);
+    armNei_[facei] = M[nei[facei]] & (C[nei[facei]] - Cf[facei]);
+  }
+  forAll(mesh_.boundary(), patchi)
+  {
+    const fvPatch& patch = mesh_.boundary()[patchi];
+    const labelUList& cells = patch.faceCells();
+    fvsPatchVectorField& inner = armOwn_.boundaryFieldRef()[patchi];
+    forAll(inner, i) inner[i] = patch.Cf()[i] - C[cells[i]];
+    if (patch.coupled())
+    {
+      armNei_.boundaryFieldRef()[patchi] ==
+        (correction.boundaryField()[patchi].patchNeighbourField() & (patch.delta() - inner));
+    }
+    forAll(inner, i) inner[i] = M[cells[i]] & inner[i];
+  }
+}
 
 void mixtureScheme::update()
 {
@@ -317,24 +379,19 @@ tmp<volVectorField> mixtureScheme::reconstruct(const surfaceScalarField& flux) c
     )
   );
   vectorField& R = tR.ref().primitiveFieldRef();
-  const vectorField& C = mesh_.cellCentres();
-  const vectorField& Cf = mesh_.faceCentres();
   const labelUList& own = mesh_.owner();
   const labelUList& nei = mesh_.neighbour();
   forAll(nei, facei)
   {
-    R[own[facei]] += flux[facei]*(Cf[facei] - C[own[facei]]);
-    R[nei[facei]] -= flux[facei]*(Cf[facei] - C[nei[facei]]);
+    R[own[facei]] += flux[facei]*armOwn_[facei];
+    R[nei[facei]] += flux[facei]*armNei_[facei];
   }
   forAll(flux.boundaryField(), patchi)
   {
-    const fvPatch& patch = mesh_.boundary()[patchi];
-    const labelUList& cells = patch.faceCells();
+    const labelUList& cells = mesh_.boundary()[patchi].faceCells();
     const fvsPatchScalarField& f = flux.boundaryField()[patchi];
-    forAll(f, i) // empty patches have no faces here
-    {
-      R[cells[i]] += f[i]*(patch.Cf()[i] - C[cells[i]]);
-    }
+    const fvsPatchVectorField& arm = armOwn_.boundaryField()[patchi];
+    forAll(f, i) R[cells[i]] += f[i]*arm[i]; // empty patches have no faces here
   }
   R /= mesh_.V();
   tR.ref().correctBoundaryConditions();
@@ -361,8 +418,6 @@ void mixtureScheme::reaction
   );
   const volVectorField known(D_*(1 - eps_)*vp_ + G_);
   const volScalarField ratio((1 - eps_)/eps_);
-  const vectorField& C = mesh_.cellCentres();
-  const vectorField& Cf = mesh_.faceCentres();
   const vectorField& Sf = mesh_.faceAreas();
   const labelUList& own = mesh_.owner();
   const labelUList& nei = mesh_.neighbour();
@@ -378,7 +433,7 @@ void mixtureScheme::reaction
   forAll(nei, facei)
   {
     const label P = own[facei], N = nei[facei];
-    const vector dP = Cf[facei] - C[P], dN = C[N] - Cf[facei];
+    const vector &dP = armOwn_[facei], &dN = armNei_[facei];
     const vector dragP = (D_[P]*phi[facei] - (known[P] & Sf[facei]))*dP;
     const vector dragN = (D_[N]*phi[facei] - (known[N] & Sf[facei]))*dN;
     const vector rest = lacking[facei]*(dP + dN) - dragP - dragN;
@@ -393,13 +448,14 @@ void mixtureScheme::reaction
     const fvsPatchScalarField& f = lacking.boundaryField()[patchi];
     const fvsPatchScalarField& phib = phi.boundaryField()[patchi];
     const vectorField Sb(patch.Sf());
+    const fvsPatchVectorField& arm = armOwn_.boundaryField()[patchi];
     const labelUList& cells = patch.faceCells();
     if (!patch.coupled())
     {
       forAll(f, i)
       {
         const label P = cells[i];
-        const vector dP = patch.Cf()[i] - C[P];
+        const vector& dP = arm[i];
         const vector dragP = (D_[P]*phib[i] - (known[P] & Sb[i]))*dP;
         drag[P] += dragP;
         volume[P] += f[i]*dP - dragP;
@@ -409,16 +465,16 @@ void mixtureScheme::reaction
     const scalarField DN(D_.boundaryField()[patchi].patchNeighbourField());
     const scalarField ratioN(ratio.boundaryField()[patchi].patchNeighbourField());
     const vectorField knownN(known.boundaryField()[patchi].patchNeighbourField());
-    const vectorField d(patch.delta());
+    const fvsPatchVectorField& armN = armNei_.boundaryField()[patchi];
     const scalarField& wb = patch.weights();
     forAll(f, i)
     {
       const label P = cells[i];
-      const vector dP = patch.Cf()[i] - C[P], dN = d[i] - dP;
+      const vector &dP = arm[i], &dN = armN[i];
       const vector dragP = (D_[P]*phib[i] - (known[P] & Sb[i]))*dP;
       const vector dragN = (DN[i]*phib[i] - (knownN[i] & Sb[i]))*dN;
       drag[P] += dragP;
-      volume[P] += share((1 - wb[i])*ratio[P], wb[i]*ratioN[i])*(f[i]*d[i] - dragP - dragN);
+      volume[P] += share((1 - wb[i])*ratio[P], wb[i]*ratioN[i])*(f[i]*(dP + dN) - dragP - dragN);
     }
   }
 }

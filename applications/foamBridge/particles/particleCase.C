@@ -10,24 +10,20 @@
 namespace Foam
 {
 
-static void finalizeMpi()
-{
-  int finalized = 0;
-  MPI_Finalized(&finalized);
-  if (!finalized) MPI_Finalize();
-}
-
-MPI_Comm particleCommunicator()
+mpiSession::mpiSession() : ours_(false)
 {
   int initialized = 0;
   MPI_Initialized(&initialized);
-  if (!initialized)
-  {
-    MPI_Init(nullptr, nullptr);
-    atexit(finalizeMpi);
-  }
-  return MPI_COMM_WORLD;
+  ours_ = !initialized;
+  if (ours_) MPI_Init(nullptr, nullptr);
 }
+
+mpiSession::~mpiSession()
+{
+  if (ours_) MPI_Finalize();
+}
+
+MPI_Comm particleCommunicator() { return MPI_COMM_WORLD; }
 
 static const dictionary& section(const dictionary& dict, const word& name)
 {
