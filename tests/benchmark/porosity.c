@@ -73,20 +73,13 @@ static double time_method(int method, cpl_search *search, const sphere *s, int c
   return 1e9 * best;
 }
 
-/* Volumes in all cells near a sphere, in sphere volumes. */
-static void reference(const made_mesh *m, const sphere *s, double *volume) {
-  const double reach = s->radius + 3.0 * cbrt(1.0 / m->view.cells);
-  for (int c = 0; c < m->view.cells; c++) {
-    double gap2 = 0.0;
-    for (int d = 0; d < 3; d++) {
-      const double gap = m->view.cell_centre[3 * c + d] - s->centre[d];
-      gap2 += gap * gap;
-    }
-    volume[c] = 0.0;
-    if (gap2 < reach * reach)
-      volume[c] = (double)(ball_by_edges(&m->view, c, s->centre, s->radius) /
-                           4.18879020478639098461685784437267051226L);
-  }
+/* Volumes in all cells, in sphere volumes. */
+static void reference(const ball_cells *cells, const sphere *s, double *volume) {
+  for (int c = 0; c < cells->mesh->cells; c++)
+    volume[c] = ball_may_touch(cells, c, s->centre, s->radius)
+                    ? (double)(ball_by_edges(cells, c, s->centre, s->radius) /
+                               4.18879020478639098461685784437267051226L)
+                    : 0.0;
 }
 
 static double error_of(int method, cpl_search *search, const made_mesh *m, const sphere *s,
@@ -115,16 +108,18 @@ static void measure(const char *mesh_name, const mesh_options *options) {
   };
   enum { METHODS = sizeof names / sizeof *names };
   made_mesh m;
+  ball_cells cells;
   cpl_search *search;
   sphere *s = mesh_alloc(SPHERES, sizeof *s);
   double error[METHODS] = {0.0};
   mesh_make(options, &m);
   check(cpl_search_create(&m.view, &search));
+  ball_cells_create(&m.view, &cells);
   make_spheres(&m, search, SPHERES, s);
   double *volume = mesh_alloc((size_t)m.view.cells, sizeof *volume);
   for (int i = 0; i < REFERENCES; i++) {
     const sphere *one = &s[i * (SPHERES / REFERENCES)];
-    reference(&m, one, volume);
+    reference(&cells, one, volume);
     for (int k = 0; k < METHODS; k++)
       error[k] = fmax(error[k], error_of(k, search, &m, one, volume));
   }
@@ -136,6 +131,7 @@ static void measure(const char *mesh_name, const mesh_options *options) {
   }
   free(volume);
   free(s);
+  ball_cells_free(&cells);
   cpl_search_destroy(search);
   mesh_free(&m);
 }

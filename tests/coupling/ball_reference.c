@@ -25,27 +25,68 @@ static void subtract(const real a[3], const real b[3], real c[3]) {
     c[d] = a[d] - b[d];
 }
 
+static int count_corners(const cpl_mesh *m, int f) {
+  return m->face_start[f + 1] - m->face_start[f];
+}
+
+static void *allocate(size_t count, size_t size) {
+  void *p = calloc(count + 1, size);
+  if (p == NULL)
+    abort();
+  return p;
+}
+
+void ball_cells_create(const cpl_mesh *m, ball_cells *b) {
+  b->mesh = m;
+  b->start = allocate((size_t)m->cells + 1, sizeof *b->start);
+  b->face = allocate((size_t)m->faces + (size_t)m->internal, sizeof *b->face);
+  b->reach = allocate((size_t)m->cells, sizeof *b->reach);
+  for (int f = 0; f < m->faces + m->internal; f++)
+    b->start[1 + (f < m->faces ? m->owner[f] : m->neighbour[f - m->faces])]++;
+  for (int c = 0; c < m->cells; c++)
+    b->start[c + 1] += b->start[c];
+  int *at = allocate((size_t)m->cells, sizeof *at);
+  for (int f = 0; f < m->faces + m->internal; f++) {
+    const int real_face = f < m->faces ? f : f - m->faces;
+    const int c = f < m->faces ? m->owner[f] : m->neighbour[real_face];
+    b->face[b->start[c] + at[c]++] = f < m->faces ? f : ~real_face;
+    for (int i = 0; i < count_corners(m, real_face); i++) {
+      const double *x = m->point + 3 * m->face_point[m->face_start[real_face] + i];
+      const double *y = m->cell_centre + 3 * c;
+      b->reach[c] = fmax(b->reach[c], hypot(hypot(x[0] - y[0], x[1] - y[1]), x[2] - y[2]));
+    }
+  }
+  free(at);
+}
+
+void ball_cells_free(ball_cells *b) {
+  free(b->start);
+  free(b->face);
+  free(b->reach);
+}
+
+int ball_may_touch(const ball_cells *b, int cell, const double x[3], double radius) {
+  const double *y = b->mesh->cell_centre + 3 * cell;
+  return hypot(hypot(x[0] - y[0], x[1] - y[1]), x[2] - y[2]) <= 1.001 * (radius + b->reach[cell]);
+}
+
 /* Surface of a cell, outward, in radii relative to the centre. Caller frees. */
-static triangle *surface(const cpl_mesh *m, int cell, const double centre[3], double radius,
+static triangle *surface(const ball_cells *b, int cell, const double centre[3], double radius,
                          int *count) {
-  triangle *t = NULL;
-  int capacity = 0;
+  const cpl_mesh *m = b->mesh;
+  int corners = 0;
   *count = 0;
-  for (int f = 0; f < m->faces; f++) {
-    const int own = m->owner[f] == cell, nei = f < m->internal && m->neighbour[f] == cell;
-    const int *p = m->face_point + m->face_start[f], n = m->face_start[f + 1] - m->face_start[f];
-    for (int i = 0; i < n && (own || nei); i++) {
+  for (int k = b->start[cell]; k < b->start[cell + 1]; k++)
+    corners += count_corners(m, b->face[k] < 0 ? ~b->face[k] : b->face[k]);
+  triangle *t = allocate((size_t)corners, sizeof *t);
+  for (int k = b->start[cell]; k < b->start[cell + 1]; k++) {
+    const int own = b->face[k] >= 0, f = own ? b->face[k] : ~b->face[k];
+    const int *p = m->face_point + m->face_start[f], n = count_corners(m, f);
+    for (int i = 0; i < n; i++, (*count)++) {
       const double *v[3] = {m->face_centre + 3 * f, m->point + 3 * p[own ? i : (i + 1) % n],
                             m->point + 3 * p[own ? (i + 1) % n : i]};
-      if (*count == capacity) {
-        capacity = 2 * capacity + 64;
-        t = realloc(t, (size_t)capacity * sizeof *t);
-        if (t == NULL)
-          abort();
-      }
-      for (int k = 0; k < 9; k++)
-        t[*count].x[k / 3][k % 3] = ((real)v[k / 3][k % 3] - centre[k % 3]) / radius;
-      (*count)++;
+      for (int q = 0; q < 9; q++)
+        t[*count].x[q / 3][q % 3] = ((real)v[q / 3][q % 3] - centre[q % 3]) / radius;
     }
   }
   return t;
@@ -108,9 +149,10 @@ static real triangle_integral(const triangle *t) {
   return h / 3.0L * sum;
 }
 
-long double ball_by_edges(const cpl_mesh *mesh, int cell, const double centre[3], double radius) {
+long double ball_by_edges(const ball_cells *cells, int cell, const double centre[3],
+                          double radius) {
   int count;
-  triangle *t = surface(mesh, cell, centre, radius, &count);
+  triangle *t = surface(cells, cell, centre, radius, &count);
   real sum = 0.0L;
   for (int i = 0; i < count; i++)
     sum += triangle_integral(&t[i]);
@@ -202,9 +244,10 @@ static int kinks(const triangle *t, real *z) {
   return n;
 }
 
-long double ball_by_slices(const cpl_mesh *mesh, int cell, const double centre[3], double radius) {
+long double ball_by_slices(const ball_cells *cells, int cell, const double centre[3],
+                           double radius) {
   int count, n = 2;
-  triangle *t = surface(mesh, cell, centre, radius, &count);
+  triangle *t = surface(cells, cell, centre, radius, &count);
   real *z = malloc((size_t)(15 * count + 2) * sizeof *z), sum = 0.0L;
   if (z == NULL)
     abort();
@@ -219,4 +262,20 @@ long double ball_by_slices(const cpl_mesh *mesh, int cell, const double centre[3
   free(z);
   free(t);
   return sum;
+}
+
+long double ball_winding(const ball_cells *cells, int cell, const double x[3]) {
+  int count;
+  triangle *t = surface(cells, cell, x, 1.0, &count);
+  real sum = 0.0L;
+  for (int i = 0; i < count; i++) {
+    const real *a = t[i].x[0], *b = t[i].x[1], *c = t[i].x[2];
+    real bc[3];
+    cross(b, c, bc);
+    const real ra = sqrtl(dot(a, a)), rb = sqrtl(dot(b, b)), rc = sqrtl(dot(c, c));
+    sum +=
+        2.0L * atan2l(dot(a, bc), ra * rb * rc + dot(a, b) * rc + dot(a, c) * rb + dot(b, c) * ra);
+  }
+  free(t);
+  return sum / 12.566370614359172953850573533118L;
 }

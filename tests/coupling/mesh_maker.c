@@ -73,6 +73,7 @@ static double *lattice_points(const mesh_options *o) {
           x[d] = lattice_coordinate(o, d, ijk[d]);
           inside = inside && ijk[d] > 0 && ijk[d] < o->n[d];
         }
+        inside = inside && i >= o->warp_from * o->n[0];
         for (int d = 0; d < 3 && inside && o->warp > 0.0; d++) {
           const double u = 2.0 * mesh_random(&state) - 1.0;
           const double there = lattice_coordinate(o, d, ijk[d] + (u > 0.0 ? 1 : -1));

@@ -27,6 +27,7 @@ typedef struct mesh_options {
                           cyclic ones of OpenFOAM are; not together with shear or rotate */
   double grade[3];     /* ratio of the last to the first edge along an axis; 0 or 1: uniform */
   double warp;      /* lattice points inside move by up to this part of an edge along each axis */
+  double warp_from; /* in [0, 1]: points in this first part of the box along x do not move */
   uint64_t seed;    /* of the warp */
   double shear;     /* x += shear y, y += shear z */
   double rotate[3]; /* rotation vector (rad) about the origin, after the shear */
