@@ -7,8 +7,9 @@
  * drag itself causes (Markauskas et al. 2017, eq. 23; Feng and Yu 2004), so that both models have
  * the same steady states. grad p without its hydrostatic part: that is -rho_f V g.
  *
- * One-way coupling (Markauskas et al., section 6): the flow has eps = 1, so its velocity is the
- * interstitial one, while the drag law takes the void fraction that the particles would leave. */
+ * One-way coupling (Markauskas et al., section 6) is the same here: the flow has eps = 1 and no
+ * source, but the particle's drag takes the void fraction that cpl_void_fraction found. The caller
+ * gives that eps and superficial = eps u with it, whatever eps its flow equations use. */
 #include <math.h>
 #include <string.h>
 #include "coupling_type.h"
@@ -126,14 +127,14 @@ static int check_sampled(const cpl_t *cpl, int i, const double *velocity) {
 static inline __attribute__((always_inline)) int force_loop(cpl_t *cpl, cpl_particles *p,
                                                             cpl_drag_law law) {
   const double rho = cpl->fluid.density, mu = cpl->fluid.viscosity;
-  const int model_b = cpl->params.model == CPL_MODEL_B, two_way = cpl->params.two_way;
+  const int model_b = cpl->params.model == CPL_MODEL_B;
   for (int i = 0; i < cpl->count; i++) {
     const double *v = cpl_at(p->velocity, p->velocity_stride, i);
     PART_TRY(check_sampled(cpl, i, v));
     const double eps = cpl->eps.data[i], volume = cpl->volume.data[i];
     const double *superficial = cpl->superficial.data + 3 * (size_t)i;
     const double *constant = cpl->constant.data + 3 * (size_t)i;
-    const double to_interstitial = two_way ? 1.0 / eps : 1.0;
+    const double to_interstitial = 1.0 / eps;
     double u[3], slip2 = 0.0;
     for (int d = 0; d < 3; d++) {
       u[d] = superficial[d] * to_interstitial;

@@ -78,7 +78,8 @@ static void test_constant_parts(void **state) {
   constant_parts(CPL_MODEL_B, 1, 0, 1);
 }
 
-/* Drag from what was sampled: Su - Sp v = beta (u - v) + buoyancy, u = U/eps; model B beta/eps. */
+/* Drag from what was sampled: Su - Sp v = beta (u - v) + buoyancy, u = U/eps; model B beta/eps.
+ * One-way or two-way: the same force. */
 static void test_drag_of_sampled(void **state) {
   (void)state;
   for (int law = 0; law < cpl_drag_count(); law++)
@@ -99,7 +100,7 @@ static void test_drag_of_sampled(void **state) {
           const double *row = s.row + i * ROW_WIDTH;
           double slip[3], speed = 0.0;
           for (int d = 0; d < 3; d++) {
-            slip[d] = superficial[3 * i + d] / (two_way ? eps[i] : 1.0) - row[ROW_V + d];
+            slip[d] = superficial[3 * i + d] / eps[i] - row[ROW_V + d];
             speed += slip[d] * slip[d];
           }
           const double beta =
@@ -115,6 +116,32 @@ static void test_drag_of_sampled(void **state) {
         }
         scene_free(&s);
       }
+}
+
+/* A uniform interstitial velocity is felt as such, whatever the void fraction around a particle. */
+static void test_uniform_velocity(void **state) {
+  (void)state;
+  const cpl_params params = scene_params();
+  const cpl_fluid fluid = scene_water();
+  const double u[3] = {0.3, -0.1, 0.2};
+  scene s;
+  start(&s, &params, &fluid);
+  for (int c = 0; c < s.mesh.view.cells; c++)
+    for (int d = 0; d < 3; d++) {
+      s.superficial[3 * c + d] = s.eps[c] * u[d];
+      s.pressure_gradient[3 * c + d] = 0.0;
+    }
+  for (int i = 0; i < s.view.count; i++)
+    memcpy(s.row + i * ROW_WIDTH + ROW_V, u, sizeof u);
+  force(&s);
+  for (int i = 0; i < s.view.count; i++) {
+    const double *row = s.row + i * ROW_WIDTH;
+    for (int d = 0; d < 3; d++) /* no slip: buoyancy alone; round-off of u times beta */
+      assert_near(row[ROW_SU + d] - row[ROW_SP] * row[ROW_V + d],
+                  -1000.0 * volume_of(row) * fluid.gravity[d],
+                  1e-13 * (row[ROW_SP] + 1e4 * volume_of(row)));
+  }
+  scene_free(&s);
 }
 
 /* Terminal slip of one sphere settling alone, one-way: drag = weight less buoyancy. Reference:
@@ -198,11 +225,9 @@ static void test_missing_fields_and_order(void **state) {
 int main(int argc, char **argv) {
   MPI_Init(&argc, &argv);
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_constant_parts),
-      cmocka_unit_test(test_drag_of_sampled),
-      cmocka_unit_test(test_terminal_slip),
-      cmocka_unit_test(test_not_finite),
-      cmocka_unit_test(test_missing_fields_and_order),
+      cmocka_unit_test(test_constant_parts),   cmocka_unit_test(test_drag_of_sampled),
+      cmocka_unit_test(test_uniform_velocity), cmocka_unit_test(test_terminal_slip),
+      cmocka_unit_test(test_not_finite),       cmocka_unit_test(test_missing_fields_and_order),
   };
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);
   MPI_Finalize();
