@@ -40,12 +40,19 @@ DEM_ALWAYS_INLINE void add_force(double *ft, const double f[3], const double tor
   }
 }
 
-DEM_ALWAYS_INLINE void one_pair(const dem_t *dem, int i, int j, double d2, const double d[3],
+/* Arrays of the loop, named once: a store to a force cannot change them. */
+typedef struct loop {
+  const double *restrict xr, *restrict vm;
+  double *restrict ft;
+  const dem_coefs *restrict coefs;
+  int materials, local;
+} loop;
+
+DEM_ALWAYS_INLINE void one_pair(const loop *in, int i, int j, double d2, const double d[3],
                                 double *spring, law_function *law, int tangential, double dt)
 {
-  const double *xr = dem_xr(dem), *vm = dem_vm(dem);
-  const double *vi = vm + DEM_VM * (size_t)i, *vj = vm + DEM_VM * (size_t)j;
-  const double ri = xr[DEM_XR * (size_t)i + 3], rj = xr[DEM_XR * (size_t)j + 3];
+  const double *vi = in->vm + DEM_VM * (size_t)i, *vj = in->vm + DEM_VM * (size_t)j;
+  const double ri = in->xr[DEM_XR * (size_t)i + 3], rj = in->xr[DEM_XR * (size_t)j + 3];
   const double distance = sqrt(d2), inverse = 1.0 / distance;
   dem_touch touch;
   double force[3], torque[3] = {0.0, 0.0, 0.0};
@@ -55,34 +62,38 @@ DEM_ALWAYS_INLINE void one_pair(const dem_t *dem, int i, int j, double d2, const
     touch.n[c] = d[c] * inverse;
   const double arm_i = ri - 0.5 * touch.overlap, arm_j = rj - 0.5 * touch.overlap;
   surface_velocity(vi, vj, touch.n, arm_i, arm_j, tangential, touch.v);
-  law(&dem->coefs[(int)vi[7] * dem->materials + (int)vj[7]], &touch, tangential, dt, spring, force);
+  law(&in->coefs[(int)vi[7] * in->materials + (int)vj[7]], &touch, tangential, dt, spring, force);
   if (tangential) {
     /* -n x F: the normal part of F drops out. */
     torque[0] = touch.n[2] * force[1] - touch.n[1] * force[2];
     torque[1] = touch.n[0] * force[2] - touch.n[2] * force[0];
     torque[2] = touch.n[1] * force[0] - touch.n[0] * force[1];
   }
-  double *ft = dem_ft(dem);
-  add_force(ft + DEM_FT * (size_t)i, force, torque, 1.0, arm_i, tangential);
-  if (j < dem->store->local)
-    add_force(ft + DEM_FT * (size_t)j, force, torque, -1.0, arm_j, tangential);
+  add_force(in->ft + DEM_FT * (size_t)i, force, torque, 1.0, arm_i, tangential);
+  if (j < in->local)
+    add_force(in->ft + DEM_FT * (size_t)j, force, torque, -1.0, arm_j, tangential);
 }
 
 DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, law_function *law, int tangential, double dt)
 {
-  const double *xr = dem_xr(dem);
+  const loop in = {dem_xr(dem), dem_vm(dem), dem_ft(dem), dem->coefs, dem->materials,
+                   dem->store->local};
   const part_pairs *pairs = dem->pairs;
+  const int *restrict start = pairs->start, *restrict partner = pairs->partner;
+  double *restrict data = pairs->data;
+  const int rows = pairs->rows;
   double nothing[DEM_SPRING] = {0.0, 0.0, 0.0};
-  for (int i = 0; i < pairs->rows; i++) {
-    const double *xi = xr + DEM_XR * (size_t)i;
-    for (int k = pairs->start[i]; k < pairs->start[i + 1]; k++) {
-      const int j = pairs->partner[k];
-      const double *xj = xr + DEM_XR * (size_t)j;
+  for (int i = 0; i < rows; i++) {
+    const double *xi = in.xr + DEM_XR * (size_t)i;
+    const int end = start[i + 1];
+    for (int k = start[i]; k < end; k++) {
+      const int j = partner[k];
+      const double *xj = in.xr + DEM_XR * (size_t)j;
       const double d[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]};
       const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], reach = xi[3] + xj[3];
-      double *spring = tangential ? &pairs->data[DEM_SPRING * (size_t)k] : nothing;
+      double *spring = tangential ? &data[DEM_SPRING * (size_t)k] : nothing;
       if (d2 < reach * reach && d2 > 0.0)
-        one_pair(dem, i, j, d2, d, spring, law, tangential, dt);
+        one_pair(&in, i, j, d2, d, spring, law, tangential, dt);
       else if (tangential)
         spring[0] = spring[1] = spring[2] = 0.0;
     }

@@ -53,6 +53,7 @@ static inline void dem_laws_any(const dem_coefs *coefs, const dem_touch *touch, 
 #include "dem/contact_laws.def"
 #undef DEM_LAW
   default:
+    force[0] = force[1] = force[2] = 0.0;
     break;
   }
 }
