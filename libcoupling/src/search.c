@@ -140,12 +140,11 @@ int cpl_search_in(const cpl_search *s, int cell, const double x[3]) {
     const int planar = s->triangle[f] < 0;
     const double *apex = planar ? m->point + 3 * p[0] : s->plane[f].c;
     const double a[3] = {apex[0] - x[0], apex[1] - x[1], apex[2] - x[2]};
-    const double tie = s->tie + 1e-14 * s->plane[f].reach;
     for (int i = planar ? 1 : 0; i < (planar ? n - 1 : n); i++) {
       const double *q = m->point + 3 * p[i], *r = m->point + 3 * p[(i + 1) % n];
       const double b[3] = {q[0] - x[0], q[1] - x[1], q[2] - x[2]};
       const double c[3] = {r[0] - x[0], r[1] - x[1], r[2] - x[2]};
-      if (on_triangle(a, b, c, tie))
+      if (on_triangle(a, b, c, s->tie))
         return 1;
       sum += (code < 0 ? -1.0 : 1.0) * cpl_solid_angle(a, b, c);
     }

@@ -17,7 +17,8 @@ typedef struct cpl_face_plane {
 struct cpl_search {
   const cpl_mesh *mesh;
   double lo[3], hi[3]; /* of all cells */
-  double tie;          /* m: nearer to a face than this counts as on it */
+  double round_off;    /* m: of coordinates; faces this close to a plane are on it */
+  double tie;          /* m: points this close to a face are on it */
 
   cpl_face_plane *plane;   /* [faces] */
   int *triangle;           /* [faces] first triangle of the fan about the face centre, or -1: the

@@ -90,7 +90,8 @@ int cpl_search_build_faces(cpl_search *s) {
       make_unit(n);
     }
   }
-  s->tie = 4e-16 * largest;
+  s->round_off = 4e-16 * largest;
+  s->tie = 5.0 * s->round_off;
   return PART_OK;
 }
 
@@ -140,7 +141,7 @@ static int face_on_bound(const cpl_search *s, int f, const double bound[6]) {
   for (int b = 0; b < 6; b++) {
     int on = 1;
     for (int i = 0; i < count && on; i++)
-      on = fabs(point_of(m, f, i)[b % 3] - bound[b]) <= s->tie;
+      on = fabs(point_of(m, f, i)[b % 3] - bound[b]) <= s->round_off;
     if (on)
       return 1;
   }

@@ -44,10 +44,10 @@ static int add_plane(plane_list *p, double x, double tie) {
 
 static int find_planes(const cpl_search *s, int d, plane_list *p) {
   for (int c = 0; c < s->mesh->cells; c++) {
-    PART_TRY(add_plane(p, s->bound[c][d], s->tie));
-    PART_TRY(add_plane(p, s->bound[c][3 + d], s->tie));
+    PART_TRY(add_plane(p, s->bound[c][d], s->round_off));
+    PART_TRY(add_plane(p, s->bound[c][3 + d], s->round_off));
   }
-  sort_unique(p, s->tie);
+  sort_unique(p, s->round_off);
   return PART_OK;
 }
 
@@ -90,9 +90,9 @@ static int place_cells(const cpl_search *s, cpl_tensor *t) {
     size_t at = 0;
     for (int d = 2; d >= 0; d--) {
       const int i = cpl_tensor_slab(t, d, 0.5 * (s->bound[c][d] + s->bound[c][3 + d]));
-      if (i < 0 || i >= t->n[d] || t->x[d][i + 1] - s->bound[c][3 + d] < -s->tie ||
-          t->x[d][i] > s->bound[c][d] + s->tie || t->x[d][i] < s->bound[c][d] - s->tie ||
-          t->x[d][i + 1] > s->bound[c][3 + d] + s->tie)
+      if (i < 0 || i >= t->n[d] || t->x[d][i + 1] - s->bound[c][3 + d] < -s->round_off ||
+          t->x[d][i] > s->bound[c][d] + s->round_off || t->x[d][i] < s->bound[c][d] - s->round_off ||
+          t->x[d][i + 1] > s->bound[c][3 + d] + s->round_off)
         return 0;
       at = at * (size_t)t->n[d] + (size_t)i;
     }
