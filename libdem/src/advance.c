@@ -3,8 +3,7 @@
 #include "internal.h"
 
 /* Does any own particle feel a fluid? Also clears the impulses of the last advance. */
-static int begin_fluid(dem_t *dem)
-{
+static int begin_fluid(dem_t *dem) {
   double *fluid = dem_fluid(dem);
   int any = 0;
   for (int i = 0; i < dem->store->local; i++) {
@@ -15,23 +14,21 @@ static int begin_fluid(dem_t *dem)
   return any || !dem->params.skip;
 }
 
-static int check_fluid(const dem_t *dem)
-{
+static int check_fluid(const dem_t *dem) {
   for (int i = 0; i < dem->store->local; i++) {
     const double *f = dem_fluid(dem) + DEM_FLUID * (size_t)i;
     const double *x = dem_xr(dem) + DEM_XR * (size_t)i;
     if (!isfinite(f[0] + f[1] + f[2] + f[3]) || f[3] < 0.0)
-      return part_fail(PART_ERR_NUMERIC,
-                       "fluid force on particle %lld at (%g %g %g) m, time %g s: Su = (%g %g %g) N, "
-                       "Sp = %g kg/s; must be finite, Sp >= 0",
-                       (long long)dem_id(dem, i), x[0], x[1], x[2], dem->time, f[0], f[1], f[2],
-                       f[3]);
+      return part_fail(
+          PART_ERR_NUMERIC,
+          "fluid force on particle %lld at (%g %g %g) m, time %g s: Su = (%g %g %g) N, "
+          "Sp = %g kg/s; must be finite, Sp >= 0",
+          (long long)dem_id(dem, i), x[0], x[1], x[2], dem->time, f[0], f[1], f[2], f[3]);
   }
   return PART_OK;
 }
 
-static int check_state(const dem_t *dem)
-{
+static int check_state(const dem_t *dem) {
   for (int i = 0; i < dem->store->local; i++) {
     const double *x = dem_xr(dem) + DEM_XR * (size_t)i, *v = dem_vm(dem) + DEM_VM * (size_t)i;
     if (!isfinite(x[0] + x[1] + x[2] + v[0] + v[1] + v[2] + v[4] + v[5] + v[6]))
@@ -43,14 +40,12 @@ static int check_state(const dem_t *dem)
   return PART_OK;
 }
 
-static void add_impulses(dem_t *dem, double h)
-{
+static void add_impulses(dem_t *dem, double h) {
   dem_sum_add(&dem->wall_impulse, dem->wall_force, h);
   dem_sum_add(&dem->support_impulse, dem->support_force, h);
 }
 
-static int substep(dem_t *dem, double t, double h, int fluid)
-{
+static int substep(dem_t *dem, double t, double h, int fluid) {
   add_impulses(dem, 0.5 * h);
   dem_free_kick_drift(dem, t, h, fluid);
   if (dem->plan.blocks)
@@ -65,8 +60,7 @@ static int substep(dem_t *dem, double t, double h, int fluid)
   return PART_OK;
 }
 
-static int count_substeps(dem_t *dem, double dt, int *n)
-{
+static int count_substeps(dem_t *dem, double dt, int *n) {
   int free_flight = 0;
   *n = 1;
   if (dt <= dem->stable_step)
@@ -84,8 +78,7 @@ static int count_substeps(dem_t *dem, double dt, int *n)
 }
 
 /* Fixed particles hand everything on: F = Su, because v = 0. */
-static void end_fluid(dem_t *dem, double dt)
-{
+static void end_fluid(dem_t *dem, double dt) {
   double *fluid = dem_fluid(dem);
   for (int i = 0; i < dem->store->local; i++) {
     double *f = fluid + DEM_FLUID * (size_t)i;
@@ -98,8 +91,7 @@ static void end_fluid(dem_t *dem, double dt)
   }
 }
 
-static int run(dem_t *dem, double dt, int n, int fluid)
-{
+static int run(dem_t *dem, double dt, int n, int fluid) {
   const double t0 = dem->time, h = dt / n;
   if (!dem->plan.movable && dem->params.skip)
     n = 0;
@@ -114,8 +106,7 @@ static int run(dem_t *dem, double dt, int n, int fluid)
   return part_agree(dem->comm, check_state(dem));
 }
 
-int dem_advance(dem_t *dem, double dt, int *substeps)
-{
+int dem_advance(dem_t *dem, double dt, int *substeps) {
   int n;
   if (substeps != NULL)
     *substeps = 0;
@@ -133,8 +124,7 @@ int dem_advance(dem_t *dem, double dt, int *substeps)
   return run(dem, dt, n, fluid);
 }
 
-int dem_kick(dem_t *dem, const double *impulse)
-{
+int dem_kick(dem_t *dem, const double *impulse) {
   double *sums = NULL;
   if (!dem->started)
     return part_fail(PART_ERR_STATE, "dem_kick comes after dem_start");

@@ -3,12 +3,12 @@
  * every rank bit for bit, because sums over ranks are taken in rank order everywhere.
  *
  * In contact a member counts with the mass of its block: in a translation the whole block has to be
- * accelerated, so m_eff = m M/(m + M), and only with it the damping gives the restitution asked for. */
+ * accelerated, so m_eff = m M/(m + M), and only with it the damping gives the restitution asked
+ * for. */
 #include "flow.h"
 #include "internal.h"
 
-int dem_rank_sum(const dem_t *dem, int n, double *values)
-{
+int dem_rank_sum(const dem_t *dem, int n, double *values) {
   double *all;
   if (dem->ranks == 1)
     return PART_OK;
@@ -24,10 +24,9 @@ int dem_rank_sum(const dem_t *dem, int n, double *values)
 }
 
 /* Sums over the members of every block of `width` values that start at base[stride i]. */
-static int member_sums(const dem_t *dem, const double *base, size_t stride, int width, double **sums)
-{
-  PART_TRY(part_agree(dem->comm,
-                      dem_allocate((size_t)(dem->blocks * width), sizeof **sums, sums)));
+static int member_sums(const dem_t *dem, const double *base, size_t stride, int width,
+                       double **sums) {
+  PART_TRY(part_agree(dem->comm, dem_allocate((size_t)(dem->blocks * width), sizeof **sums, sums)));
   for (int i = 0; i < dem->store->local; i++)
     if (dem_kind_of(dem, i) == DEM_BLOCK)
       for (int c = 0; c < width; c++)
@@ -38,8 +37,7 @@ static int member_sums(const dem_t *dem, const double *base, size_t stride, int 
   return status;
 }
 
-int dem_blocks_begin(dem_t *dem)
-{
+int dem_blocks_begin(dem_t *dem) {
   double *sums;
   PART_TRY(member_sums(dem, dem_fluid(dem), DEM_FLUID, 4, &sums));
   for (int b = 0; b < dem->blocks; b++) {
@@ -54,8 +52,7 @@ int dem_blocks_begin(dem_t *dem)
   return PART_OK;
 }
 
-int dem_blocks_forces(dem_t *dem)
-{
+int dem_blocks_forces(dem_t *dem) {
   double *sums;
   PART_TRY(member_sums(dem, dem_ft(dem), DEM_FT, 3, &sums));
   for (int b = 0; b < dem->blocks; b++)
@@ -66,8 +63,7 @@ int dem_blocks_forces(dem_t *dem)
 }
 
 /* Half step of one block with the force of now; the displacement of drift_h with it. */
-static void move_block(dem_t *dem, int number, double t, double h, double drift_h)
-{
+static void move_block(dem_t *dem, int number, double t, double h, double drift_h) {
   dem_block *block = &dem->block[number];
   const double w = 1.0 / block->mass, b = block->sp * w * h;
   const dem_flow half = dem_flow_of(b), whole = dem_flow_of(block->sp * w * drift_h);
@@ -89,8 +85,7 @@ static void move_block(dem_t *dem, int number, double t, double h, double drift_
   }
 }
 
-static void move_members(dem_t *dem)
-{
+static void move_members(dem_t *dem) {
   double *xr = dem_xr(dem), *vm = dem_vm(dem);
   for (int i = 0; i < dem->store->local; i++) {
     if (dem_kind_of(dem, i) != DEM_BLOCK)
@@ -103,8 +98,7 @@ static void move_members(dem_t *dem)
   }
 }
 
-static void move_blocks(dem_t *dem, double t, double h, double drift_h)
-{
+static void move_blocks(dem_t *dem, double t, double h, double drift_h) {
   part_timers_start(dem->timers, dem->stage[DEM_STAGE_BLOCKS]);
   for (int b = 0; b < dem->blocks; b++)
     if (dem->block[b].members > 0)
@@ -113,14 +107,17 @@ static void move_blocks(dem_t *dem, double t, double h, double drift_h)
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_BLOCKS]);
 }
 
-void dem_blocks_kick_drift(dem_t *dem, double t, double h) { move_blocks(dem, t, 0.5 * h, h); }
-void dem_blocks_kick(dem_t *dem, double t, double h) { move_blocks(dem, t, 0.5 * h, 0.0); }
+void dem_blocks_kick_drift(dem_t *dem, double t, double h) {
+  move_blocks(dem, t, 0.5 * h, h);
+}
+void dem_blocks_kick(dem_t *dem, double t, double h) {
+  move_blocks(dem, t, 0.5 * h, 0.0);
+}
 
 /* Shares of the members, J_i = Su_i dt - Sp_i (path of the block). Their sum equals the impulse of
  * the block but for the rounding of two large terms when drag is stiff; that rest is given out by
  * Sp_i (by number without drag), so that the shares add up. */
-int dem_blocks_end(dem_t *dem, double dt)
-{
+int dem_blocks_end(dem_t *dem, double dt) {
   double *fluid = dem_fluid(dem), *sums;
   for (int i = 0; i < dem->store->local; i++) {
     if (dem_kind_of(dem, i) != DEM_BLOCK)
@@ -144,8 +141,7 @@ int dem_blocks_end(dem_t *dem, double dt)
   return PART_OK;
 }
 
-void dem_blocks_add(dem_t *dem, const double *impulse)
-{
+void dem_blocks_add(dem_t *dem, const double *impulse) {
   for (int b = 0; b < dem->blocks; b++) {
     dem_block *block = &dem->block[b];
     for (int c = 0; c < 3 && block->members > 0; c++) {

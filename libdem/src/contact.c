@@ -17,8 +17,7 @@ typedef void law_function(const dem_coefs *, const dem_touch *, int, double, dou
 
 /* v_i - v_j at the contact point; the arms are those of the two particles. */
 DEM_ALWAYS_INLINE void surface_velocity(const double *vi, const double *vj, const double n[3],
-                                        double arm_i, double arm_j, int tangential, double v[3])
-{
+                                        double arm_i, double arm_j, int tangential, double v[3]) {
   for (int c = 0; c < 3; c++)
     v[c] = vi[c] - vj[c];
   if (tangential) {
@@ -31,8 +30,7 @@ DEM_ALWAYS_INLINE void surface_velocity(const double *vi, const double *vj, cons
 }
 
 DEM_ALWAYS_INLINE void add_force(double *ft, const double f[3], const double torque[3], double sign,
-                                 double arm, int tangential)
-{
+                                 double arm, int tangential) {
   for (int c = 0; c < 3; c++) {
     ft[c] += sign * f[c];
     if (tangential)
@@ -49,8 +47,7 @@ typedef struct loop {
 } loop;
 
 DEM_ALWAYS_INLINE void one_pair(const loop *in, int i, int j, double d2, const double d[3],
-                                double *spring, law_function *law, int tangential, double dt)
-{
+                                double *spring, law_function *law, int tangential, double dt) {
   const double *vi = in->vm + DEM_VM * (size_t)i, *vj = in->vm + DEM_VM * (size_t)j;
   const double ri = in->xr[DEM_XR * (size_t)i + 3], rj = in->xr[DEM_XR * (size_t)j + 3];
   const double distance = sqrt(d2), inverse = 1.0 / distance;
@@ -74,10 +71,9 @@ DEM_ALWAYS_INLINE void one_pair(const loop *in, int i, int j, double d2, const d
     add_force(in->ft + DEM_FT * (size_t)j, force, torque, -1.0, arm_j, tangential);
 }
 
-DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, law_function *law, int tangential, double dt)
-{
-  const loop in = {dem_xr(dem), dem_vm(dem), dem_ft(dem), dem->coefs, dem->materials,
-                   dem->store->local};
+DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, law_function *law, int tangential, double dt) {
+  const loop in = {dem_xr(dem), dem_vm(dem),    dem_ft(dem),
+                   dem->coefs,  dem->materials, dem->store->local};
   const part_pairs *pairs = dem->pairs;
   const int *restrict start = pairs->start, *restrict partner = pairs->partner;
   double *restrict data = pairs->data;
@@ -101,9 +97,10 @@ DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, law_function *law, int tangential, 
 }
 
 #define DEM_LAW(name, key, meaning)                                                                \
-  static void pairs_##name(dem_t *dem, double dt) { pair_loop(dem, dem_law_##name, 0, dt); }       \
-  static void pairs_##name##_tangential(dem_t *dem, double dt)                                     \
-  {                                                                                                \
+  static void pairs_##name(dem_t *dem, double dt) {                                                \
+    pair_loop(dem, dem_law_##name, 0, dt);                                                         \
+  }                                                                                                \
+  static void pairs_##name##_tangential(dem_t *dem, double dt) {                                   \
     pair_loop(dem, dem_law_##name, 1, dt);                                                         \
   }
 #include "dem/contact_laws.def"
@@ -115,12 +112,15 @@ static void (*const stamped[DEM_LAW_COUNT][2])(dem_t *, double) = {
 #undef DEM_LAW
 };
 
-static void pairs_any(dem_t *dem, double dt) { pair_loop(dem, dem_laws_any, 0, dt); }
-static void pairs_any_tangential(dem_t *dem, double dt) { pair_loop(dem, dem_laws_any, 1, dt); }
+static void pairs_any(dem_t *dem, double dt) {
+  pair_loop(dem, dem_laws_any, 0, dt);
+}
+static void pairs_any_tangential(dem_t *dem, double dt) {
+  pair_loop(dem, dem_laws_any, 1, dt);
+}
 
 /* The law that all given contacts have in common, -1 when they differ. */
-static int common_law(const dem_t *dem)
-{
+static int common_law(const dem_t *dem) {
   int law = -2;
   for (int k = 0; k < dem->materials * dem->materials; k++) {
     if (dem->coefs[k].law < 0)
@@ -130,8 +130,7 @@ static int common_law(const dem_t *dem)
   return law;
 }
 
-void dem_pair_forces(dem_t *dem, double dt)
-{
+void dem_pair_forces(dem_t *dem, double dt) {
   const int law = common_law(dem), tangential = dem->plan.tangential;
   if (law >= 0)
     stamped[law][tangential](dem, dt);
@@ -141,8 +140,7 @@ void dem_pair_forces(dem_t *dem, double dt)
     pairs_any(dem, dt);
 }
 
-int dem_pair_list_filter(dem_t *dem)
-{
+int dem_pair_list_filter(dem_t *dem) {
   part_pairs *pairs = dem->pairs;
   int used = 0, begin = 0;
   if (dem->plan.all_free)

@@ -5,8 +5,7 @@
 static const char *const stage_names[DEM_STAGE_COUNT] = {"integrate",  "contact", "walls",
                                                          "neighbours", "ghosts",  "blocks"};
 
-static int create_parts(dem_t *dem, MPI_Comm comm, const part_box *box)
-{
+static int create_parts(dem_t *dem, MPI_Comm comm, const part_box *box) {
   if (MPI_Comm_dup(comm, &dem->comm) != MPI_SUCCESS)
     return part_fail(PART_ERR_MPI, "the communicator cannot be duplicated");
   MPI_Comm_rank(dem->comm, &dem->rank);
@@ -20,8 +19,7 @@ static int create_parts(dem_t *dem, MPI_Comm comm, const part_box *box)
   return PART_OK;
 }
 
-int dem_create(MPI_Comm comm, const part_box *box, const dem_params *params, dem_t **result)
-{
+int dem_create(MPI_Comm comm, const part_box *box, const dem_params *params, dem_t **result) {
   dem_t *dem = NULL;
   *result = NULL;
   PART_TRY(part_params_check(&dem_params_table, params));
@@ -42,8 +40,7 @@ int dem_create(MPI_Comm comm, const part_box *box, const dem_params *params, dem
   return PART_OK;
 }
 
-void dem_destroy(dem_t *dem)
-{
+void dem_destroy(dem_t *dem) {
   if (dem == NULL)
     return;
   if (dem->pairs != NULL)
@@ -71,15 +68,13 @@ void dem_destroy(dem_t *dem)
   free(dem);
 }
 
-static int not_started(const dem_t *dem, const char *call)
-{
+static int not_started(const dem_t *dem, const char *call) {
   if (dem->started)
     return part_fail(PART_ERR_STATE, "%s comes before dem_start", call);
   return PART_OK;
 }
 
-int dem_add_material(dem_t *dem, const dem_material *material, int *number)
-{
+int dem_add_material(dem_t *dem, const dem_material *material, int *number) {
   PART_TRY(not_started(dem, "dem_add_material"));
   if (memchr(material->name, '\0', sizeof material->name) == NULL || material->name[0] == '\0')
     return part_fail(PART_ERR_ARGUMENT, "a material needs a name of 1 to %d characters",
@@ -89,8 +84,7 @@ int dem_add_material(dem_t *dem, const dem_material *material, int *number)
   for (int m = 0; m < dem->materials; m++)
     if (strcmp(dem->material[m].name, material->name) == 0)
       return part_fail(PART_ERR_ARGUMENT, "material %s is given twice", material->name);
-  dem_material *more =
-      realloc(dem->material, ((size_t)dem->materials + 1) * sizeof *dem->material);
+  dem_material *more = realloc(dem->material, ((size_t)dem->materials + 1) * sizeof *dem->material);
   if (more == NULL)
     return part_fail(PART_ERR_MEMORY, "no memory for material %s", material->name);
   dem->material = more;
@@ -101,8 +95,7 @@ int dem_add_material(dem_t *dem, const dem_material *material, int *number)
   return PART_OK;
 }
 
-int dem_find_material(const dem_t *dem, const char *name, int *number)
-{
+int dem_find_material(const dem_t *dem, const char *name, int *number) {
   const char **names = NULL;
   for (int m = 0; m < dem->materials; m++)
     if (strcmp(dem->material[m].name, name) == 0) {
@@ -120,8 +113,7 @@ int dem_find_material(const dem_t *dem, const char *name, int *number)
   return status;
 }
 
-int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact)
-{
+int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact) {
   PART_TRY(not_started(dem, "dem_set_contact"));
   PART_TRY(part_params_check(&dem_contact_table, contact));
   const int every = a == -1 && b == -1;
@@ -138,15 +130,26 @@ int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact)
   return PART_OK;
 }
 
-part_store *dem_store(dem_t *dem) { return dem->store; }
-long long dem_generation(const dem_t *dem) { return dem->generation; }
-double dem_time(const dem_t *dem) { return dem->time; }
-void dem_set_time(dem_t *dem, double time) { dem->time = time; }
-double dem_stable_step(const dem_t *dem) { return dem->stable_step; }
-part_timers *dem_timers(dem_t *dem) { return dem->timers; }
+part_store *dem_store(dem_t *dem) {
+  return dem->store;
+}
+long long dem_generation(const dem_t *dem) {
+  return dem->generation;
+}
+double dem_time(const dem_t *dem) {
+  return dem->time;
+}
+void dem_set_time(dem_t *dem, double time) {
+  dem->time = time;
+}
+double dem_stable_step(const dem_t *dem) {
+  return dem->stable_step;
+}
+part_timers *dem_timers(dem_t *dem) {
+  return dem->timers;
+}
 
-int dem_block_state(dem_t *dem, int block, double position[3], double velocity[3])
-{
+int dem_block_state(dem_t *dem, int block, double position[3], double velocity[3]) {
   if (!dem->started)
     return part_fail(PART_ERR_STATE, "dem_block_state comes after dem_start");
   if (block < 0 || block >= dem->blocks || dem->block[block].members == 0)

@@ -14,8 +14,7 @@ typedef struct dem_flow {
   double phi1, phi2;
 } dem_flow;
 
-static inline dem_flow dem_flow_of(double b)
-{
+static inline dem_flow dem_flow_of(double b) {
   dem_flow flow;
   if (b == 0.0)
     return (dem_flow){0.0, 1.0, 0.5};
@@ -23,7 +22,8 @@ static inline dem_flow dem_flow_of(double b)
   flow.phi1 = flow.lost / b;
   /* Series where 1 - phi1 would cancel; the next term is below 3e-17. */
   if (b < 1e-2)
-    flow.phi2 = 1.0 / 2 + b * (-1.0 / 6 + b * (1.0 / 24 + b * (-1.0 / 120 + b * (1.0 / 720 - b / 5040))));
+    flow.phi2 =
+        1.0 / 2 + b * (-1.0 / 6 + b * (1.0 / 24 + b * (-1.0 / 120 + b * (1.0 / 720 - b / 5040))));
   else
     flow.phi2 = (1.0 - flow.phi1) / b;
   return flow;

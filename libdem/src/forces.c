@@ -2,8 +2,7 @@
 /* All contact forces at the present positions, and what walls and supports give. */
 #include "internal.h"
 
-static void support_force(dem_t *dem)
-{
+static void support_force(dem_t *dem) {
   /* What fixed particles feel from contacts comes from movable ones only (fixed pairs are not
    * listed), so the movable ones feel its negative. */
   const double *ft = dem_ft(dem);
@@ -17,8 +16,7 @@ static void support_force(dem_t *dem)
         dem->support_force[c] -= ft[DEM_FT * (size_t)i + (size_t)c];
 }
 
-int dem_forces(dem_t *dem, double dt)
-{
+int dem_forces(dem_t *dem, double dt) {
   memset(dem_ft(dem), 0, (size_t)dem->store->local * DEM_FT * sizeof(double));
   if (dem->plan.pairs) {
     part_timers_start(dem->timers, dem->stage[DEM_STAGE_CONTACT]);

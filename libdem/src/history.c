@@ -3,20 +3,17 @@
  * Entries are those of part_pairs_gather; wall contacts have negative keys (walls.h). */
 #include "internal.h"
 
-static int wall_entries(const dem_near *near)
-{
+static int wall_entries(const dem_near *near) {
   return near->n[0] != 0.0 || near->n[1] != 0.0 || near->n[2] != 0.0 ? 2 : 0;
 }
 
-static void count_walls(const dem_walls *walls, int *count)
-{
+static void count_walls(const dem_walls *walls, int *count) {
   for (int row = 0; row < walls->rows; row++)
     for (int k = walls->start[row]; k < walls->start[row + 1]; k++)
       count[walls->particle[row]] += wall_entries(&walls->near[k]);
 }
 
-static dem_entry *put_wall(const dem_walls *walls, int row, dem_entry *entry)
-{
+static dem_entry *put_wall(const dem_walls *walls, int row, dem_entry *entry) {
   for (int k = walls->start[row]; k < walls->start[row + 1]; k++) {
     const dem_near *near = &walls->near[k];
     const int64_t m = (int64_t)near->element * DEM_SHIFTS + near->shift;
@@ -30,8 +27,7 @@ static dem_entry *put_wall(const dem_walls *walls, int row, dem_entry *entry)
   return entry;
 }
 
-static int by_key(const void *a, const void *b)
-{
+static int by_key(const void *a, const void *b) {
   const dem_entry *x = a, *y = b;
   return (x->key > y->key) - (x->key < y->key);
 }
@@ -39,8 +35,7 @@ static int by_key(const void *a, const void *b)
 /* Join the entries of pairs (NULL: none) and walls, particle by particle, sorted by key so that
  * nothing depends on the order of rows. */
 static int join(const dem_t *dem, const int *pair_count, const dem_entry *pair, int *count,
-                dem_entry **entries)
-{
+                dem_entry **entries) {
   const dem_walls *walls = &dem->walls;
   const int n = dem->store->local;
   size_t total = 0;
@@ -67,8 +62,7 @@ static int join(const dem_t *dem, const int *pair_count, const dem_entry *pair, 
   return PART_OK;
 }
 
-int dem_history_gather(const dem_t *dem, int **count, void **payload)
-{
+int dem_history_gather(const dem_t *dem, int **count, void **payload) {
   int *pair_count = NULL, status = PART_OK;
   void *pair = NULL;
   dem_entry *entries = NULL;
@@ -92,15 +86,13 @@ typedef struct place {
   int count;
 } place;
 
-static int by_id(const void *a, const void *b)
-{
+static int by_id(const void *a, const void *b) {
   const place *x = a, *y = b;
   return (x->id > y->id) - (x->id < y->id);
 }
 
 /* Where the entries of each particle are, sorted by id. */
-static int find_places(const dem_t *dem, const int *count, place **places)
-{
+static int find_places(const dem_t *dem, const int *count, place **places) {
   size_t first = 0;
   PART_TRY(dem_allocate((size_t)dem->store->local, sizeof **places, places));
   for (int i = 0; i < dem->store->local; i++) {
@@ -111,8 +103,7 @@ static int find_places(const dem_t *dem, const int *count, place **places)
   return PART_OK;
 }
 
-int dem_history_sort(dem_t *dem, double cell, int *count, void *payload)
-{
+int dem_history_sort(dem_t *dem, double cell, int *count, void *payload) {
   place *places = NULL;
   dem_entry *entries = payload, *copy = NULL;
   size_t total = 0;
@@ -127,8 +118,7 @@ int dem_history_sort(dem_t *dem, double cell, int *count, void *payload)
   }
   for (int i = 0; status == PART_OK && i < dem->store->local; i++) {
     const place key = {dem_id(dem, i), 0, 0};
-    const place *found =
-        bsearch(&key, places, (size_t)dem->store->local, sizeof *places, by_id);
+    const place *found = bsearch(&key, places, (size_t)dem->store->local, sizeof *places, by_id);
     count[i] = found->count;
     memcpy(entries, copy + found->first, (size_t)found->count * sizeof *entries);
     entries += found->count;

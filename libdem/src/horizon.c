@@ -6,8 +6,7 @@
 
 /* Longest way within dt from velocity v under (F - Sp v)/m, a = F/m, b = Sp/m: the velocity stays
  * between its beginning and F/Sp, and |v| grows by at most |a| dt. */
-static double way(const double v[3], const double a[3], double b, double dt)
-{
+static double way(const double v[3], const double a[3], double b, double dt) {
   const double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
   const double gain = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
   const double free_end = speed + gain * dt;
@@ -15,8 +14,7 @@ static double way(const double v[3], const double a[3], double b, double dt)
   return fmin(free_end, drag_end) * dt;
 }
 
-static double longest_way(const dem_t *dem, double dt)
-{
+static double longest_way(const dem_t *dem, double dt) {
   const double *g = dem->params.gravity;
   double most = 0.0, a[3];
   for (int i = 0; i < dem->store->local; i++) {
@@ -39,8 +37,7 @@ static double longest_way(const dem_t *dem, double dt)
 }
 
 /* Smallest gap of listed pairs and of any others. */
-static double pair_gap(const dem_t *dem)
-{
+static double pair_gap(const dem_t *dem) {
   const double *xr = dem_xr(dem);
   double least = dem->skin - 2.0 * dem->travel;
   for (int i = 0; i < dem->pairs->rows; i++)
@@ -54,8 +51,7 @@ static double pair_gap(const dem_t *dem)
 }
 
 /* Exact for planes; triangles that are not listed are at least skin - travel away. */
-static double wall_gap(const dem_t *dem)
-{
+static double wall_gap(const dem_t *dem) {
   const dem_walls *walls = &dem->walls;
   const double length[3] = {dem->box.hi[0] - dem->box.lo[0], dem->box.hi[1] - dem->box.lo[1],
                             dem->box.hi[2] - dem->box.lo[2]};
@@ -81,8 +77,7 @@ static double wall_gap(const dem_t *dem)
   return least;
 }
 
-int dem_horizon(dem_t *dem, double dt, int *free_flight)
-{
+int dem_horizon(dem_t *dem, double dt, int *free_flight) {
   double worst[3] = {longest_way(dem, dt), HUGE_VAL, HUGE_VAL};
   *free_flight = 0;
   /* The ramp of gravity is the one force that changes with time: no long steps under it. */

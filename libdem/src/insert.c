@@ -3,8 +3,7 @@
  * every particle, so that the result does not depend on the number of ranks. */
 #include "internal.h"
 
-static void turn(const double axis[3], double angle, double d[3])
-{
+static void turn(const double axis[3], double angle, double d[3]) {
   /* Rodrigues' rotation of d about the unit vector axis. */
   const double c = cos(angle), s = sin(angle);
   const double along = (axis[0] * d[0] + axis[1] * d[1] + axis[2] * d[2]) * (1.0 - c);
@@ -14,8 +13,7 @@ static void turn(const double axis[3], double angle, double d[3])
     d[k] = c * d[k] + s * cross[k] + along * axis[k];
 }
 
-static int lattice_check(const dem_insert *insert, double axis[3])
-{
+static int lattice_check(const dem_insert *insert, double axis[3]) {
   const char *table = dem_insert_table.name;
   const double *a = insert->rotation_axis;
   const double length = sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
@@ -42,8 +40,7 @@ static int lattice_check(const dem_insert *insert, double axis[3])
   return PART_OK;
 }
 
-int dem_insert_lattice(const dem_insert *insert, dem_seed **seed, int64_t *count)
-{
+int dem_insert_lattice(const dem_insert *insert, dem_seed **seed, int64_t *count) {
   double axis[3];
   size_t n = 0;
   PART_TRY(lattice_check(insert, axis));
@@ -66,12 +63,12 @@ int dem_insert_lattice(const dem_insert *insert, dem_seed **seed, int64_t *count
 }
 
 /* One particle by itself: a size, a place in the box, room in the domain. */
-static int check_seed(const dem_t *dem, const dem_seed *seed, int64_t id)
-{
+static int check_seed(const dem_t *dem, const dem_seed *seed, int64_t id) {
   const part_box *box = &dem->box;
   if (!(seed->r > 0.0) || !isfinite(seed->r))
-    return part_fail(PART_ERR_RANGE, "particle %lld: diameter %g m is not allowed; must be positive",
-                     (long long)id, 2.0 * seed->r);
+    return part_fail(PART_ERR_RANGE,
+                     "particle %lld: diameter %g m is not allowed; must be positive", (long long)id,
+                     2.0 * seed->r);
   for (int c = 0; c < 3; c++) {
     if (!isfinite(seed->x[c]) || !isfinite(seed->v[c]))
       return part_fail(PART_ERR_NUMERIC, "particle %lld: position or velocity is not finite",
@@ -91,8 +88,7 @@ static int check_seed(const dem_t *dem, const dem_seed *seed, int64_t id)
 }
 
 /* New particles against each other and against those that are there. */
-static int check_overlap(const dem_t *dem, const dem_seed *seed, int64_t count)
-{
+static int check_overlap(const dem_t *dem, const dem_seed *seed, int64_t count) {
   dem_grid *grid;
   int status = PART_OK;
   double r_max = 0.0, overlap = 0.0;
@@ -119,8 +115,7 @@ static int check_overlap(const dem_t *dem, const dem_seed *seed, int64_t count)
   return status;
 }
 
-static int check_insert(const dem_t *dem, const dem_insert *insert, int block)
-{
+static int check_insert(const dem_t *dem, const dem_insert *insert, int block) {
   const double *v = insert->velocity;
   if (dem->started || dem->restored)
     return part_fail(PART_ERR_STATE, "dem_insert_particles comes before dem_start, and not after "
@@ -136,8 +131,7 @@ static int check_insert(const dem_t *dem, const dem_insert *insert, int block)
   return PART_OK;
 }
 
-static int generate(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count)
-{
+static int generate(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count) {
   switch (insert->method) {
   case DEM_INSERT_LATTICE:
     return dem_insert_lattice(insert, seed, count);
@@ -149,8 +143,7 @@ static int generate(const dem_t *dem, const dem_insert *insert, dem_seed **seed,
 }
 
 static int accept(dem_t *dem, const dem_insert *insert, int block, int material, dem_seed *seed,
-                  int64_t count)
-{
+                  int64_t count) {
   for (int64_t k = 0; k < count; k++) {
     seed[k].material = material;
     seed[k].kind = insert->kind;
@@ -158,15 +151,14 @@ static int accept(dem_t *dem, const dem_insert *insert, int block, int material,
     PART_TRY(check_seed(dem, &seed[k], dem->seeds + k));
   }
   PART_TRY(check_overlap(dem, seed, count));
-  PART_TRY(dem_grow((size_t)(dem->seeds + count), sizeof *dem->seed, &dem->seed_capacity,
-                    &dem->seed));
+  PART_TRY(
+      dem_grow((size_t)(dem->seeds + count), sizeof *dem->seed, &dem->seed_capacity, &dem->seed));
   memcpy(&dem->seed[dem->seeds], seed, (size_t)count * sizeof *seed);
   dem->seeds += count;
   return PART_OK;
 }
 
-int dem_insert_particles(dem_t *dem, const dem_insert *insert, int block, int64_t *inserted)
-{
+int dem_insert_particles(dem_t *dem, const dem_insert *insert, int block, int64_t *inserted) {
   dem_seed *seed = NULL;
   int64_t count = 0;
   int material = 0;

@@ -7,8 +7,7 @@
 
 #include "internal.h"
 
-static int read_all(const char *path, char **text, long long *size)
-{
+static int read_all(const char *path, char **text, long long *size) {
   FILE *file = fopen(path, "rb");
   if (file == NULL)
     return part_fail(PART_ERR_IO, "%s: cannot be opened: %s", path, strerror(errno));
@@ -28,8 +27,7 @@ static int read_all(const char *path, char **text, long long *size)
   return status;
 }
 
-static int share(const dem_t *dem, const char *path, char **text)
-{
+static int share(const dem_t *dem, const char *path, char **text) {
   long long size = 0;
   int status = dem->rank == 0 ? read_all(path, text, &size) : PART_OK;
   PART_TRY(part_agree(dem->comm, status));
@@ -47,8 +45,7 @@ static int share(const dem_t *dem, const char *path, char **text)
 }
 
 /* Numbers of one line into value[7]; returns how many, -1 when something is not a finite number. */
-static int numbers(char *line, double value[7], const char **bad)
-{
+static int numbers(char *line, double value[7], const char **bad) {
   int n = 0;
   char *comment = strchr(line, '#');
   if (comment != NULL)
@@ -71,8 +68,7 @@ static int numbers(char *line, double value[7], const char **bad)
 }
 
 static int parse_line(const char *path, int line_number, char *line, const dem_insert *insert,
-                      dem_seed *seed, int *is_particle)
-{
+                      dem_seed *seed, int *is_particle) {
   double value[7];
   const char *bad = "";
   const int n = numbers(line, value, &bad);
@@ -99,8 +95,7 @@ static int parse_line(const char *path, int line_number, char *line, const dem_i
 }
 
 static int parse(const char *path, char *text, const dem_insert *insert, dem_seed **seed,
-                 int64_t *count)
-{
+                 int64_t *count) {
   size_t capacity = 0;
   int line_number = 0;
   *count = 0;
@@ -118,8 +113,7 @@ static int parse(const char *path, char *text, const dem_insert *insert, dem_see
   return PART_OK;
 }
 
-int dem_insert_file(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count)
-{
+int dem_insert_file(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count) {
   char *text = NULL;
   if (insert->file[0] == '\0')
     return part_fail(PART_ERR_RANGE, "%s: entry file must be given with method file",

@@ -12,8 +12,7 @@ struct dem_grid {
   int64_t count;
 };
 
-int dem_grid_create(const part_box *box, double r_max, int64_t expected, dem_grid **result)
-{
+int dem_grid_create(const part_box *box, double r_max, int64_t expected, dem_grid **result) {
   dem_grid *grid;
   const double most = 2.0 * (double)expected + 27.0;
   double shortest = 2.0 * r_max, cells;
@@ -42,8 +41,7 @@ int dem_grid_create(const part_box *box, double r_max, int64_t expected, dem_gri
   return PART_OK;
 }
 
-void dem_grid_destroy(dem_grid *grid)
-{
+void dem_grid_destroy(dem_grid *grid) {
   if (grid == NULL)
     return;
   free(grid->head);
@@ -52,8 +50,7 @@ void dem_grid_destroy(dem_grid *grid)
   free(grid);
 }
 
-static void cell_of(const dem_grid *grid, const double x[3], int cell[3])
-{
+static void cell_of(const dem_grid *grid, const double x[3], int cell[3]) {
   double wrapped[3] = {x[0], x[1], x[2]};
   part_box_wrap(&grid->box, wrapped, NULL);
   for (int c = 0; c < 3; c++) {
@@ -62,14 +59,12 @@ static void cell_of(const dem_grid *grid, const double x[3], int cell[3])
   }
 }
 
-static size_t cell_number(const dem_grid *grid, const int cell[3])
-{
+static size_t cell_number(const dem_grid *grid, const int cell[3]) {
   return ((size_t)cell[2] * (size_t)grid->cells[1] + (size_t)cell[1]) * (size_t)grid->cells[0] +
          (size_t)cell[0];
 }
 
-int dem_grid_add(dem_grid *grid, const double x[3], double r)
-{
+int dem_grid_add(dem_grid *grid, const double x[3], double r) {
   int cell[3];
   const size_t k = (size_t)grid->count;
   PART_TRY(dem_grow(k + 1, sizeof *grid->next, &grid->next_capacity, &grid->next));
@@ -84,8 +79,7 @@ int dem_grid_add(dem_grid *grid, const double x[3], double r)
 }
 
 /* Cells next to c in one direction, each once; returns how many. */
-static int neighbours(const dem_grid *grid, int direction, int c, int near[3])
-{
+static int neighbours(const dem_grid *grid, int direction, int c, int near[3]) {
   const int n = grid->cells[direction], periodic = grid->box.periodic[direction];
   int count = 0;
   for (int s = -1; s <= 1; s++) {
@@ -103,8 +97,7 @@ static int neighbours(const dem_grid *grid, int direction, int c, int near[3])
 }
 
 static int64_t search_cell(const dem_grid *grid, size_t cell, const double x[3], double r,
-                           double allowed, double *overlap)
-{
+                           double allowed, double *overlap) {
   for (int64_t k = grid->head[cell]; k >= 0; k = grid->next[k]) {
     const double *s = &grid->sphere[4 * k];
     double d[3];
@@ -120,8 +113,7 @@ static int64_t search_cell(const dem_grid *grid, size_t cell, const double x[3],
 }
 
 int64_t dem_grid_overlap(const dem_grid *grid, const double x[3], double r, double allowed,
-                         double *overlap)
-{
+                         double *overlap) {
   int cell[3], near[3][3], count[3];
   cell_of(grid, x, cell);
   for (int c = 0; c < 3; c++)

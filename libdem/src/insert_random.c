@@ -6,16 +6,14 @@
 enum { TRIES = 20000 }; /* per sphere, before the fraction is called out of reach */
 
 /* SplitMix64 (Steele, Lea and Flood 2014): next number of the sequence in [0, 1). */
-static double draw(uint64_t *state)
-{
+static double draw(uint64_t *state) {
   uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
   z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
   z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
   return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-static int check(const dem_insert *insert, double d_max)
-{
+static int check(const dem_insert *insert, double d_max) {
   const char *table = dem_insert_table.name;
   const double pi = 3.14159265358979323846;
   if (insert->number < 1)
@@ -44,13 +42,11 @@ static int check(const dem_insert *insert, double d_max)
 }
 
 /* A free place for seed, or ERR_RANGE after TRIES. */
-static int place(const dem_insert *insert, const dem_grid *grid, uint64_t *state, dem_seed *seed)
-{
+static int place(const dem_insert *insert, const dem_grid *grid, uint64_t *state, dem_seed *seed) {
   double overlap;
   for (int t = 0; t < TRIES; t++) {
     for (int c = 0; c < 3; c++)
-      seed->x[c] =
-          insert->origin[c] + seed->r + draw(state) * (insert->extent[c] - 2.0 * seed->r);
+      seed->x[c] = insert->origin[c] + seed->r + draw(state) * (insert->extent[c] - 2.0 * seed->r);
     if (dem_grid_overlap(grid, seed->x, seed->r, 0.0, &overlap) < 0)
       return PART_OK;
   }
@@ -58,8 +54,7 @@ static int place(const dem_insert *insert, const dem_grid *grid, uint64_t *state
 }
 
 static int fill(const dem_t *dem, const dem_insert *insert, double d_max, dem_grid *grid,
-                dem_seed *seed)
-{
+                dem_seed *seed) {
   uint64_t state = (uint64_t)insert->seed;
   double volume = 0.0;
   for (int64_t k = 0; k < dem->seeds; k++)
@@ -79,8 +74,7 @@ static int fill(const dem_t *dem, const dem_insert *insert, double d_max, dem_gr
   return PART_OK;
 }
 
-int dem_insert_random(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count)
-{
+int dem_insert_random(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count) {
   const double d_max = insert->diameter_max > 0.0 ? insert->diameter_max : insert->diameter;
   double r_max = 0.5 * d_max;
   dem_grid *grid;

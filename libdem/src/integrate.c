@@ -9,8 +9,7 @@
 #include "internal.h"
 
 /* Integral of xi(t) from 0 to t, Markauskas et al. 2017 eq. 4; xi = 1 after the ramp. */
-static double ramp_integral(double ramp, double t)
-{
+static double ramp_integral(double ramp, double t) {
   const double pi = 3.14159265358979323846;
   if (t <= 0.0)
     return 0.0;
@@ -18,8 +17,7 @@ static double ramp_integral(double ramp, double t)
   return 0.5 * (end - ramp / pi * sin(pi * end / ramp)) + (t > ramp ? t - ramp : 0.0);
 }
 
-double dem_gravity_factor(const dem_t *dem, int material, double t, double h)
-{
+double dem_gravity_factor(const dem_t *dem, int material, double t, double h) {
   const double ramp = dem->params.ramp_time;
   if (!(ramp > 0.0) || t >= ramp || !(h > 0.0))
     return 1.0;
@@ -30,14 +28,13 @@ double dem_gravity_factor(const dem_t *dem, int material, double t, double h)
 }
 
 typedef struct kick_step {
-  double h;       /* s, of the kick */
-  double drift_h; /* s, of the displacement; 0: kick only */
+  double h;              /* s, of the kick */
+  double drift_h;        /* s, of the displacement; 0: kick only */
   const double *gravity; /* [materials][3] m/s2 */
 } kick_step;
 
 /* One particle without fluid force. */
-static inline void move_dry(const kick_step *step, double *x, double *v, const double *f)
-{
+static inline void move_dry(const kick_step *step, double *x, double *v, const double *f) {
   const double *g = step->gravity + 3 * (int)v[7];
   for (int c = 0; c < 3; c++)
     v[c] += step->h * (f[c] * v[3] + g[c]);
@@ -48,8 +45,7 @@ static inline void move_dry(const kick_step *step, double *x, double *v, const d
 
 /* One particle in a fluid: Su = fluid[0..2], Sp = fluid[3], impulse = fluid[4..6]. */
 static inline void move_wet(const kick_step *step, double *x, double *v, const double *f,
-                            double *fluid)
-{
+                            double *fluid) {
   const double *g = step->gravity + 3 * (int)v[7], w = v[3], h = step->h, big = step->drift_h;
   const dem_flow half = dem_flow_of(fluid[3] * w * h);
   const dem_flow whole = dem_flow_of(fluid[3] * w * big);
@@ -65,8 +61,7 @@ static inline void move_wet(const kick_step *step, double *x, double *v, const d
   }
 }
 
-static void kick(dem_t *dem, double t, double h, double drift_h, int fluid)
-{
+static void kick(dem_t *dem, double t, double h, double drift_h, int fluid) {
   double *xr = dem_xr(dem), *vm = dem_vm(dem), *fl = dem_fluid(dem);
   double *gravity = dem->gravity_now;
   const double *ft = dem_ft(dem);
@@ -95,15 +90,13 @@ static void kick(dem_t *dem, double t, double h, double drift_h, int fluid)
   }
 }
 
-void dem_free_kick_drift(dem_t *dem, double t, double h, int fluid)
-{
+void dem_free_kick_drift(dem_t *dem, double t, double h, int fluid) {
   part_timers_start(dem->timers, dem->stage[DEM_STAGE_INTEGRATE]);
   kick(dem, t, 0.5 * h, h, fluid);
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_INTEGRATE]);
 }
 
-void dem_free_kick(dem_t *dem, double t, double h, int fluid)
-{
+void dem_free_kick(dem_t *dem, double t, double h, int fluid) {
   part_timers_start(dem->timers, dem->stage[DEM_STAGE_INTEGRATE]);
   kick(dem, t, 0.5 * h, 0.0, fluid);
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_INTEGRATE]);

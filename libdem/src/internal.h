@@ -30,14 +30,14 @@ typedef struct dem_given_contact {
 
 /* A rigid block: one translation. Same on every rank, bit for bit. */
 typedef struct dem_block {
-  int64_t members; /* 0: the number is not used */
-  double mass;     /* kg */
-  double x[3];     /* m, mean of the members, unwrapped */
-  double v[3];     /* m/s */
-  double force[3]; /* N, contact force on all members */
-  double su[3], sp; /* sums over all members, constant over an advance */
-  double shift[3];  /* m, displacement in the current substep */
-  double path[3];   /* m, integral of v dt over the current advance */
+  int64_t members;   /* 0: the number is not used */
+  double mass;       /* kg */
+  double x[3];       /* m, mean of the members, unwrapped */
+  double v[3];       /* m/s */
+  double force[3];   /* N, contact force on all members */
+  double su[3], sp;  /* sums over all members, constant over an advance */
+  double shift[3];   /* m, displacement in the current substep */
+  double path[3];    /* m, integral of v dt over the current advance */
   double impulse[3]; /* N s, received from the fluid over the current advance */
 } dem_block;
 
@@ -101,8 +101,8 @@ struct dem_t {
   double r_max, r_mean, skin;
   double *mass_of;     /* [materials] kg, own free particles */
   double *gravity_now; /* [materials][3] m/s2, mean over the present half step */
-  double *x_built; /* [3 local] where particles were when the lists were built */
-  double travel;   /* m, largest displacement of any particle since then */
+  double *x_built;     /* [3 local] where particles were when the lists were built */
+  double travel;       /* m, largest displacement of any particle since then */
 
   double wall_force[3], support_force[3]; /* N, on own movable particles, now */
   dem_sum wall_impulse, support_impulse, gravity_impulse, fluid_impulse;
@@ -116,57 +116,66 @@ struct dem_t {
 };
 
 /* ---- access ---------------------------------------------------------------------------------- */
-static inline double *dem_xr(const dem_t *dem) { return part_record_double(dem->store, DEM_RECORD_XR); }
-static inline double *dem_vm(const dem_t *dem) { return part_record_double(dem->store, DEM_RECORD_VM); }
-static inline double *dem_ft(const dem_t *dem) { return part_record_double(dem->store, DEM_RECORD_FT); }
-static inline double *dem_fluid(const dem_t *dem)
-{
+static inline double *dem_xr(const dem_t *dem) {
+  return part_record_double(dem->store, DEM_RECORD_XR);
+}
+static inline double *dem_vm(const dem_t *dem) {
+  return part_record_double(dem->store, DEM_RECORD_VM);
+}
+static inline double *dem_ft(const dem_t *dem) {
+  return part_record_double(dem->store, DEM_RECORD_FT);
+}
+static inline double *dem_fluid(const dem_t *dem) {
   return part_record_double(dem->store, DEM_RECORD_FLUID);
 }
-static inline int64_t *dem_meta(const dem_t *dem) { return part_record_int64(dem->store, DEM_RECORD_META); }
-static inline int64_t dem_id(const dem_t *dem, int i) { return dem_meta(dem)[DEM_META * (size_t)i]; }
-static inline int dem_kind_of(const dem_t *dem, int i)
-{
+static inline int64_t *dem_meta(const dem_t *dem) {
+  return part_record_int64(dem->store, DEM_RECORD_META);
+}
+static inline int64_t dem_id(const dem_t *dem, int i) {
+  return dem_meta(dem)[DEM_META * (size_t)i];
+}
+static inline int dem_kind_of(const dem_t *dem, int i) {
   return (int)dem_meta(dem)[DEM_META * (size_t)i + 1];
 }
-static inline int dem_block_of(const dem_t *dem, int i)
-{
+static inline int dem_block_of(const dem_t *dem, int i) {
   return (int)dem_meta(dem)[DEM_META * (size_t)i + 2];
 }
-static inline int dem_material_of(const dem_t *dem, int i)
-{
+static inline int dem_material_of(const dem_t *dem, int i) {
   return (int)dem_vm(dem)[DEM_VM * (size_t)i + 7];
 }
 /* Mass of the sphere itself (kg): INVERSE_MASS is zero when fixed and the block's in a block. */
-static inline double dem_own_mass(const dem_t *dem, int i)
-{
+static inline double dem_own_mass(const dem_t *dem, int i) {
   const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3];
   return dem->material[dem_material_of(dem, i)].density * (4.0 / 3.0 * 3.14159265358979323846) * r *
          r * r;
 }
 
-static inline void dem_sum_add(dem_sum *sum, const double part[3], double factor)
-{
+static inline void dem_sum_add(dem_sum *sum, const double part[3], double factor) {
   for (int c = 0; c < 3; c++) {
     const double p = factor * part[c], t = sum->value[c] + p;
-    sum->lost[c] += fabs(sum->value[c]) >= fabs(p) ? (sum->value[c] - t) + p : (p - t) + sum->value[c];
+    sum->lost[c] +=
+        fabs(sum->value[c]) >= fabs(p) ? (sum->value[c] - t) + p : (p - t) + sum->value[c];
     sum->value[c] = t;
   }
 }
 
-/* ---- memory.c: ERR_MEMORY; items are zero ------------------------------------------------------ */
+/* ---- memory.c: ERR_MEMORY; items are zero ------------------------------------------------------
+ */
 int dem_allocate(size_t count, size_t size, void *pointer_to_pointer);
 int dem_grow(size_t count, size_t size, size_t *capacity, void *pointer_to_pointer);
 
-/* ---- plan.c ------------------------------------------------------------------------------------ */
+/* ---- plan.c ------------------------------------------------------------------------------------
+ */
 /* Collective. Radii, skin, coefficients, plan and stable step from the particles present. */
 int dem_make_plan(dem_t *dem);
 
-/* ---- report.c ---------------------------------------------------------------------------------- */
+/* ---- report.c ----------------------------------------------------------------------------------
+ */
 /* Momentum of own free particles, and on rank 0 of all blocks; size: sum of m |v| (NULL: not). */
 void dem_own_momentum(const dem_t *dem, double momentum[3], double *size);
 
-/* ---- rebuild.c --------------------------------------------------------------------------------- */
+/* ---- rebuild.c ---------------------------------------------------------------------------------
+ */
 /* Collective. Migrate, sort, ghosts, lists; history is carried over. count/payload: history that
  * does not come from the present lists (after dem_read); NULL otherwise; taken over and freed. */
 int dem_rebuild(dem_t *dem, int balance, int *count, void *payload);
@@ -181,43 +190,50 @@ typedef struct dem_entry {
 /* Sort own particles by cells; the payload comes along. */
 int dem_history_sort(dem_t *dem, double cell, int *count, void *payload);
 
-/* ---- contact.c --------------------------------------------------------------------------------- */
+/* ---- contact.c ---------------------------------------------------------------------------------
+ */
 /* Contact forces and torques of pairs into FORCE, TORQUE of own particles, which start at zero. */
 void dem_pair_forces(dem_t *dem, double dt);
 int dem_pair_list_filter(dem_t *dem); /* drop pairs that share a body */
 
-/* ---- wall_contact.c ---------------------------------------------------------------------------- */
+/* ---- wall_contact.c ----------------------------------------------------------------------------
+ */
 void dem_wall_forces(dem_t *dem, double dt);
 /* Contacts of a row of the wall list; place has room for the row. Returns how many. */
 int dem_walls_touched(const dem_t *dem, int row, dem_candidate *place);
 
-/* ---- forces.c ---------------------------------------------------------------------------------- */
+/* ---- forces.c ----------------------------------------------------------------------------------
+ */
 /* Collective. All contact forces at the present positions; dt stretches the springs. */
 int dem_forces(dem_t *dem, double dt);
 
-/* ---- integrate.c ------------------------------------------------------------------------------- */
+/* ---- integrate.c -------------------------------------------------------------------------------
+ */
 /* Gravity on a material over its weight, mean over [t, t+h] (Markauskas et al. 2017 eq. 3-4). */
 double dem_gravity_factor(const dem_t *dem, int material, double t, double h);
 /* Half step from t and the displacement of the whole step h; half step from t to t + h/2. */
 void dem_free_kick_drift(dem_t *dem, double t, double h, int fluid);
 void dem_free_kick(dem_t *dem, double t, double h, int fluid);
 
-/* ---- blocks.c ---------------------------------------------------------------------------------- */
+/* ---- blocks.c ----------------------------------------------------------------------------------
+ */
 int dem_blocks_begin(dem_t *dem); /* collective: fluid sums */
 void dem_blocks_kick_drift(dem_t *dem, double t, double h);
 void dem_blocks_kick(dem_t *dem, double t, double h);
-int dem_blocks_forces(dem_t *dem);        /* collective */
+int dem_blocks_forces(dem_t *dem);         /* collective */
 int dem_blocks_end(dem_t *dem, double dt); /* collective: impulse shares of the members */
 /* Impulses (N s) [blocks][3], the same on every rank, on the blocks. */
 void dem_blocks_add(dem_t *dem, const double *impulse);
 /* Collective. Sum of n doubles over ranks in rank order: the same bits on every rank. */
 int dem_rank_sum(const dem_t *dem, int n, double *values);
 
-/* ---- horizon.c --------------------------------------------------------------------------------- */
+/* ---- horizon.c ---------------------------------------------------------------------------------
+ */
 /* Collective. *free_flight = 1 when no contact can exist or begin within dt. */
 int dem_horizon(dem_t *dem, double dt, int *free_flight);
 
-/* ---- insert*.c --------------------------------------------------------------------------------- */
+/* ---- insert*.c ---------------------------------------------------------------------------------
+ */
 int dem_insert_lattice(const dem_insert *insert, dem_seed **seed, int64_t *count);
 int dem_insert_random(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count);
 int dem_insert_file(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count);

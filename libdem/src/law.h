@@ -8,7 +8,7 @@
 
 /* Coefficients of a pair of materials, derived from dem_contact by the law. */
 typedef struct dem_coefs {
-  int law; /* row of contact_laws.def, -1: the pair has no contact given */
+  int law;         /* row of contact_laws.def, -1: the pair has no contact given */
   double k_n, k_t; /* N/m */
   double c_n, c_t; /* as the law needs them */
   double mu;
@@ -16,9 +16,9 @@ typedef struct dem_coefs {
 
 /* Two bodies that touch, as the first one (i) sees it. */
 typedef struct dem_touch {
-  double n[3];         /* unit vector from the partner to i */
-  double overlap;      /* m, > 0 */
-  double v[3];         /* m/s, surface velocity of i minus that of the partner, at the contact point */
+  double n[3];    /* unit vector from the partner to i */
+  double overlap; /* m, > 0 */
+  double v[3];    /* m/s, surface velocity of i minus that of the partner, at the contact point */
   double inverse_mass; /* 1/kg, 1/m_i + 1/m_j = 1/m_eff */
 } dem_touch;
 

@@ -14,8 +14,7 @@ enum dem_law_number {
   DEM_LAW_COUNT
 };
 
-static inline void dem_laws_coefs(const dem_contact *contact, dem_coefs *coefs)
-{
+static inline void dem_laws_coefs(const dem_contact *contact, dem_coefs *coefs) {
   coefs->law = contact->law;
   switch (contact->law) {
 #define DEM_LAW(name, key, meaning)                                                                \
@@ -29,8 +28,7 @@ static inline void dem_laws_coefs(const dem_contact *contact, dem_coefs *coefs)
   }
 }
 
-static inline double dem_laws_time(const dem_coefs *coefs, double inverse_mass)
-{
+static inline double dem_laws_time(const dem_coefs *coefs, double inverse_mass) {
   switch (coefs->law) {
 #define DEM_LAW(name, key, meaning)                                                                \
   case DEM_LAW_##name:                                                                             \
@@ -43,8 +41,7 @@ static inline double dem_laws_time(const dem_coefs *coefs, double inverse_mass)
 }
 
 static inline void dem_laws_any(const dem_coefs *coefs, const dem_touch *touch, int tangential,
-                                double dt, double spring[3], double force[3])
-{
+                                double dt, double spring[3], double force[3]) {
   switch (coefs->law) {
 #define DEM_LAW(name, key, meaning)                                                                \
   case DEM_LAW_##name:                                                                             \

@@ -2,8 +2,7 @@
 /* Allocation with an error text. */
 #include "internal.h"
 
-int dem_allocate(size_t count, size_t size, void *pointer_to_pointer)
-{
+int dem_allocate(size_t count, size_t size, void *pointer_to_pointer) {
   void *p = calloc(count > 0 ? count : 1, size);
   memcpy(pointer_to_pointer, &p, sizeof p);
   if (p == NULL)
@@ -11,8 +10,7 @@ int dem_allocate(size_t count, size_t size, void *pointer_to_pointer)
   return PART_OK;
 }
 
-int dem_grow(size_t count, size_t size, size_t *capacity, void *pointer_to_pointer)
-{
+int dem_grow(size_t count, size_t size, size_t *capacity, void *pointer_to_pointer) {
   void *p;
   if (count <= *capacity)
     return PART_OK;

@@ -30,12 +30,25 @@ static const char *const dem_law_names[] = {
 static const char *const dem_insert_methods[] = {"lattice", "random", "file", NULL};
 static const char *const dem_kinds[] = {"free", "fixed", "block", NULL};
 
-#define DEM_DIMS(kg, m, s) {kg, m, s, 0, 0, 0, 0}
-#define DEM_THREE(a, b, c) {a, b, c}
+#define DEM_DIMS(kg, m, s)                                                                         \
+  { kg, m, s, 0, 0, 0, 0 }
+#define DEM_THREE(a, b, c)                                                                         \
+  { a, b, c }
 #define DEM_PARAM(key, type, member, dims, required, def, low, high, low_open, high_open, choices, \
                   word, meaning)                                                                   \
-  {key, PART_PARAM_##type, offsetof(struct DEM_STRUCT, member), dims, required, def, low, high,    \
-   low_open, high_open, choices, word, meaning},
+  {key,                                                                                            \
+   PART_PARAM_##type,                                                                              \
+   offsetof(struct DEM_STRUCT, member),                                                            \
+   dims,                                                                                           \
+   required,                                                                                       \
+   def,                                                                                            \
+   low,                                                                                            \
+   high,                                                                                           \
+   low_open,                                                                                       \
+   high_open,                                                                                      \
+   choices,                                                                                        \
+   word,                                                                                           \
+   meaning},
 
 static const part_param params_rows[] = {
 #define DEM_STRUCT dem_params
@@ -58,7 +71,8 @@ static const part_param insert_rows[] = {
 #undef DEM_STRUCT
 };
 
-#define DEM_TABLE(name, rows) {name, (int)(sizeof rows / sizeof rows[0]), rows}
+#define DEM_TABLE(name, rows)                                                                      \
+  { name, (int)(sizeof rows / sizeof rows[0]), rows }
 const part_param_table dem_params_table = DEM_TABLE("demProperties", params_rows);
 const part_param_table dem_material_table = DEM_TABLE("material", material_rows);
 const part_param_table dem_contact_table = DEM_TABLE("contact", contact_rows);

@@ -16,8 +16,7 @@ typedef struct scene {
   presence *of; /* [materials] */
 } scene;
 
-static void take_light(presence *p, double inverse_mass)
-{
+static void take_light(presence *p, double inverse_mass) {
   if (inverse_mass > p->light[0]) {
     p->light[1] = p->light[0];
     p->light[0] = inverse_mass;
@@ -27,8 +26,7 @@ static void take_light(presence *p, double inverse_mass)
 }
 
 /* Own particles; blocks are known everywhere and are counted in join_ranks. */
-static void survey_own(const dem_t *dem, scene *s)
-{
+static void survey_own(const dem_t *dem, scene *s) {
   for (int i = 0; i < dem->store->local; i++) {
     const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3];
     presence *p = &s->of[dem_material_of(dem, i)];
@@ -44,8 +42,7 @@ static void survey_own(const dem_t *dem, scene *s)
   }
 }
 
-static int join_ranks(const dem_t *dem, scene *s, double *all)
-{
+static int join_ranks(const dem_t *dem, scene *s, double *all) {
   const int n = dem->materials;
   double sums[2] = {s->free, s->r_sum}, most[2] = {s->fixed, s->r_max};
   MPI_Allgather(s->of, (int)sizeof(presence) * n, MPI_BYTE, all, (int)sizeof(presence) * n,
@@ -73,19 +70,17 @@ static int join_ranks(const dem_t *dem, scene *s, double *all)
   return PART_OK;
 }
 
-static int survey(const dem_t *dem, scene *s)
-{
+static int survey(const dem_t *dem, scene *s) {
   double *all;
-  PART_TRY(part_agree(dem->comm, dem_allocate((size_t)(dem->materials * dem->ranks),
-                                              sizeof(presence), &all)));
+  PART_TRY(part_agree(dem->comm,
+                      dem_allocate((size_t)(dem->materials * dem->ranks), sizeof(presence), &all)));
   survey_own(dem, s);
   const int status = join_ranks(dem, s, all);
   free(all);
   return status;
 }
 
-static int set_coefs(dem_t *dem)
-{
+static int set_coefs(dem_t *dem) {
   const int n = dem->materials;
   PART_TRY(dem_allocate((size_t)n * (size_t)n, sizeof *dem->coefs, &dem->coefs));
   for (int k = 0; k < n * n; k++)
@@ -103,8 +98,8 @@ static int set_coefs(dem_t *dem)
 }
 
 /* Shortest time over contacts that can happen; ERR_RANGE when one of them is not given. */
-static int contact_of(dem_t *dem, int a, int b, double inverse_mass, int can_happen, double *least)
-{
+static int contact_of(dem_t *dem, int a, int b, double inverse_mass, int can_happen,
+                      double *least) {
   const dem_coefs *coefs = &dem->coefs[a * dem->materials + b];
   if (!(inverse_mass > 0.0))
     return PART_OK;
@@ -117,8 +112,7 @@ static int contact_of(dem_t *dem, int a, int b, double inverse_mass, int can_hap
   return PART_OK;
 }
 
-static int walk_contacts(dem_t *dem, const scene *s, int pairs, double *least)
-{
+static int walk_contacts(dem_t *dem, const scene *s, int pairs, double *least) {
   const int all = !dem->params.skip;
   for (int a = 0; a < dem->materials; a++)
     for (int b = 0; b <= a; b++) {
@@ -135,8 +129,7 @@ static int walk_contacts(dem_t *dem, const scene *s, int pairs, double *least)
   return PART_OK;
 }
 
-static int work_out(dem_t *dem, const scene *s)
-{
+static int work_out(dem_t *dem, const scene *s) {
   dem_plan *plan = &dem->plan;
   const int all = !dem->params.skip, movable = s->free + s->blocks > 0.0;
   const int pairs = movable && s->free + s->blocks + s->fixed >= 2.0;
@@ -158,8 +151,7 @@ static int work_out(dem_t *dem, const scene *s)
   return PART_OK;
 }
 
-int dem_make_plan(dem_t *dem)
-{
+int dem_make_plan(dem_t *dem) {
   scene s = {0};
   int status = dem_allocate((size_t)dem->materials, sizeof *s.of, &s.of);
   PART_TRY(part_agree(dem->comm, status));
@@ -170,8 +162,7 @@ int dem_make_plan(dem_t *dem)
   return part_agree(dem->comm, status);
 }
 
-static int add_line(size_t size, char *text, const char *what, const char *why, const char *saves)
-{
+static int add_line(size_t size, char *text, const char *what, const char *why, const char *saves) {
   const size_t used = strlen(text);
   const int n = snprintf(text + used, size - used, "%s | %s | %s\n", what, why, saves);
   return n >= 0 && (size_t)n < size - used
@@ -179,8 +170,7 @@ static int add_line(size_t size, char *text, const char *what, const char *why, 
              : part_fail(PART_ERR_RANGE, "the scene plan needs more than %zu characters", size);
 }
 
-int dem_plan_text(const dem_t *dem, size_t size, char *text)
-{
+int dem_plan_text(const dem_t *dem, size_t size, char *text) {
   const dem_plan *plan = &dem->plan;
   if (size == 0)
     return part_fail(PART_ERR_RANGE, "the scene plan needs room");
@@ -206,8 +196,8 @@ int dem_plan_text(const dem_t *dem, size_t size, char *text)
   if (!plan->movable)
     PART_TRY(add_line(size, text, "time integration", "nothing moves", "all of it"));
   else if (isinf(dem->stable_step))
-    PART_TRY(add_line(size, text, "contact substeps", "nothing can touch",
-                      "one substep an advance"));
+    PART_TRY(
+        add_line(size, text, "contact substeps", "nothing can touch", "one substep an advance"));
   else
     PART_TRY(add_line(size, text, "contact substeps before a contact can happen",
                       "bound on gap over way", "all but one substep of such an advance"));

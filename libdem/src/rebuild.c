@@ -7,8 +7,7 @@ static const double worth_balancing = 16.0;
 
 /* New parts when the load has drifted. Depends on the positions alone, so that a restarted run
  * decides alike. */
-static int balance_parts(dem_t *dem, int balance)
-{
+static int balance_parts(dem_t *dem, int balance) {
   double ratio;
   if (dem->ranks == 1)
     return PART_OK;
@@ -19,8 +18,7 @@ static int balance_parts(dem_t *dem, int balance)
   return PART_OK;
 }
 
-static int make_pairs(dem_t *dem, const int *count, const void *payload)
-{
+static int make_pairs(dem_t *dem, const int *count, const void *payload) {
   PART_TRY(part_pairs_build(dem->pairs, dem->store, DEM_FIELD_RADIUS, dem->skin));
   PART_TRY(dem_pair_list_filter(dem));
   if (dem->plan.tangential && payload != NULL)
@@ -29,8 +27,7 @@ static int make_pairs(dem_t *dem, const int *count, const void *payload)
 }
 
 /* Own masses per material, and the positions that the lists belong to. */
-static int note_state(dem_t *dem)
-{
+static int note_state(dem_t *dem) {
   const double *xr = dem_xr(dem);
   free(dem->x_built);
   dem->x_built = NULL;
@@ -46,8 +43,7 @@ static int note_state(dem_t *dem)
   return PART_OK;
 }
 
-static int make_lists(dem_t *dem, const int *count, const void *payload)
-{
+static int make_lists(dem_t *dem, const int *count, const void *payload) {
   if (dem->plan.pairs)
     PART_TRY(make_pairs(dem, count, payload));
   if (dem->plan.walls)
@@ -55,8 +51,7 @@ static int make_lists(dem_t *dem, const int *count, const void *payload)
   return note_state(dem);
 }
 
-static int rebuild(dem_t *dem, int balance, int **count, void **payload)
-{
+static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   int status = PART_OK;
   const double reach = 2.0 * dem->r_max + dem->skin;
   if (*count == NULL && dem->plan.tangential)
@@ -76,8 +71,7 @@ static int rebuild(dem_t *dem, int balance, int **count, void **payload)
   return part_agree(dem->comm, make_lists(dem, *count, *payload));
 }
 
-int dem_rebuild(dem_t *dem, int balance, int *count, void *payload)
-{
+int dem_rebuild(dem_t *dem, int balance, int *count, void *payload) {
   part_timers_start(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
   const int status = rebuild(dem, balance, &count, &payload);
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
@@ -89,8 +83,7 @@ int dem_rebuild(dem_t *dem, int balance, int *count, void *payload)
 }
 
 /* Largest displacement of an own particle since the lists were built; NaN when there is one. */
-static double moved(const dem_t *dem)
-{
+static double moved(const dem_t *dem) {
   const double *xr = dem_xr(dem);
   double most = 0.0;
   for (int i = 0; i < dem->store->local; i++) {
@@ -105,8 +98,7 @@ static double moved(const dem_t *dem)
   return sqrt(most);
 }
 
-int dem_refresh(dem_t *dem)
-{
+int dem_refresh(dem_t *dem) {
   /* Lists hold until one particle has moved half the skin. Without lists only periodic wrapping and
    * the errors of migration are left, which can wait for a radius. */
   const double limit = dem->plan.pairs || dem->plan.walls ? 0.5 * dem->skin : dem->r_mean;

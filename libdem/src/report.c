@@ -2,16 +2,14 @@
 /* Numbers of the state, and the momentum budget. */
 #include "internal.h"
 
-static void add_momentum(double mass, const double v[3], double momentum[3], double *size)
-{
+static void add_momentum(double mass, const double v[3], double momentum[3], double *size) {
   for (int c = 0; c < 3; c++)
     momentum[c] += mass * v[c];
   if (size != NULL)
     *size += mass * sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
 }
 
-void dem_own_momentum(const dem_t *dem, double momentum[3], double *size)
-{
+void dem_own_momentum(const dem_t *dem, double momentum[3], double *size) {
   momentum[0] = momentum[1] = momentum[2] = 0.0;
   if (size != NULL)
     *size = 0.0;
@@ -25,8 +23,7 @@ void dem_own_momentum(const dem_t *dem, double momentum[3], double *size)
       add_momentum(dem->block[b].mass, dem->block[b].v, momentum, size);
 }
 
-static double own_energy(const dem_t *dem, double *max_speed)
-{
+static double own_energy(const dem_t *dem, double *max_speed) {
   double energy = 0.0;
   *max_speed = 0.0;
   for (int i = 0; i < dem->store->local; i++) {
@@ -43,8 +40,7 @@ static double own_energy(const dem_t *dem, double *max_speed)
 }
 
 /* Contacts of particles that this rank counts, and the largest overlap of the smaller radius. */
-static int64_t pair_contacts(const dem_t *dem, double *most)
-{
+static int64_t pair_contacts(const dem_t *dem, double *most) {
   const double *xr = dem_xr(dem);
   int64_t count = 0;
   if (!dem->plan.pairs)
@@ -64,8 +60,7 @@ static int64_t pair_contacts(const dem_t *dem, double *most)
   return count;
 }
 
-static int64_t wall_contacts(const dem_t *dem, double *most)
-{
+static int64_t wall_contacts(const dem_t *dem, double *most) {
   int64_t count = 0;
   if (!dem->plan.walls)
     return 0;
@@ -80,14 +75,12 @@ static int64_t wall_contacts(const dem_t *dem, double *most)
   return count;
 }
 
-static void total(const dem_sum *sum, double value[3])
-{
+static void total(const dem_sum *sum, double value[3]) {
   for (int c = 0; c < 3; c++)
     value[c] = sum->value[c] + sum->lost[c];
 }
 
-static int budget(const dem_t *dem, dem_report *report)
-{
+static int budget(const dem_t *dem, dem_report *report) {
   double sums[19], *initial = sums + 15, scale, error = 0.0;
   dem_own_momentum(dem, sums, &sums[18]);
   total(&dem->gravity_impulse, sums + 3);
@@ -112,8 +105,7 @@ static int budget(const dem_t *dem, dem_report *report)
   return PART_OK;
 }
 
-int dem_get_report(dem_t *dem, dem_report *report)
-{
+int dem_get_report(dem_t *dem, dem_report *report) {
   double most[2] = {0.0, 0.0}, energy;
   if (!dem->started)
     return part_fail(PART_ERR_STATE, "dem_get_report comes after dem_start");

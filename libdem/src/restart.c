@@ -7,8 +7,7 @@
 
 enum { STATE_VALUES = 12, BLOCK_VALUES = 11, BUDGET_VALUES = 33 };
 
-static void pack_state(const dem_t *dem, double value[STATE_VALUES])
-{
+static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
   const double packed[STATE_VALUES] = {dem->time,
                                        dem->r_mean,
                                        (double)dem->total,
@@ -24,15 +23,13 @@ static void pack_state(const dem_t *dem, double value[STATE_VALUES])
   memcpy(value, packed, sizeof packed);
 }
 
-static void pack_sum(const dem_sum *sum, double **to)
-{
+static void pack_sum(const dem_sum *sum, double **to) {
   memcpy(*to, sum->value, sizeof sum->value);
   memcpy(*to + 3, sum->lost, sizeof sum->lost);
   *to += 6;
 }
 
-static void unpack_sum(dem_sum *sum, const double **from)
-{
+static void unpack_sum(dem_sum *sum, const double **from) {
   for (int c = 0; c < 3; c++) {
     sum->value[c] += (*from)[c];
     sum->lost[c] += (*from)[3 + c];
@@ -40,8 +37,7 @@ static void unpack_sum(dem_sum *sum, const double **from)
   *from += 6;
 }
 
-static void pack_budget(const dem_t *dem, double value[BUDGET_VALUES])
-{
+static void pack_budget(const dem_t *dem, double value[BUDGET_VALUES]) {
   double *to = value;
   pack_sum(&dem->wall_impulse, &to);
   pack_sum(&dem->support_impulse, &to);
@@ -53,8 +49,7 @@ static void pack_budget(const dem_t *dem, double value[BUDGET_VALUES])
 }
 
 /* Adds, so that several ranks of the writing run can be taken in one after the other. */
-static void unpack_budget(dem_t *dem, const double *from)
-{
+static void unpack_budget(dem_t *dem, const double *from) {
   unpack_sum(&dem->wall_impulse, &from);
   unpack_sum(&dem->support_impulse, &from);
   unpack_sum(&dem->gravity_impulse, &from);
@@ -67,8 +62,7 @@ static void unpack_budget(dem_t *dem, const double *from)
 }
 
 /* [blocks][BLOCK_VALUES], then [blocks][materials] masses. */
-static int pack_blocks(const dem_t *dem, double **values, int *n)
-{
+static int pack_blocks(const dem_t *dem, double **values, int *n) {
   *n = dem->blocks * (BLOCK_VALUES + dem->materials);
   PART_TRY(dem_allocate((size_t)*n, sizeof **values, values));
   for (int b = 0; b < dem->blocks; b++) {
@@ -86,8 +80,7 @@ static int pack_blocks(const dem_t *dem, double **values, int *n)
   return PART_OK;
 }
 
-static int unpack_blocks(dem_t *dem, const double *from)
-{
+static int unpack_blocks(dem_t *dem, const double *from) {
   PART_TRY(dem_allocate((size_t)dem->blocks, sizeof *dem->block, &dem->block));
   PART_TRY(dem_allocate((size_t)(dem->blocks * dem->materials), sizeof *dem->block_gravity,
                         &dem->block_gravity));
@@ -109,8 +102,7 @@ typedef struct history_head {
   int64_t id, count;
 } history_head;
 
-static int pack_history(const dem_t *dem, size_t *size, unsigned char **bytes)
-{
+static int pack_history(const dem_t *dem, size_t *size, unsigned char **bytes) {
   int *count;
   void *payload;
   *size = 0;
@@ -137,8 +129,7 @@ static int pack_history(const dem_t *dem, size_t *size, unsigned char **bytes)
   return status;
 }
 
-static int by_id(const void *a, const void *b)
-{
+static int by_id(const void *a, const void *b) {
   history_head x, y;
   memcpy(&x, *(const unsigned char *const *)a, sizeof x);
   memcpy(&y, *(const unsigned char *const *)b, sizeof y);
@@ -147,8 +138,7 @@ static int by_id(const void *a, const void *b)
 
 /* Pointers to the records, sorted by id. ERR_FORMAT when the lengths do not fit. */
 static int index_history(const unsigned char *bytes, size_t size, const unsigned char ***record,
-                         size_t *records)
-{
+                         size_t *records) {
   size_t capacity = 0;
   history_head head;
   *records = 0;
@@ -168,8 +158,7 @@ static int index_history(const unsigned char *bytes, size_t size, const unsigned
 }
 
 /* History of own particles from all records, into kept_count and kept. */
-static int take_history(dem_t *dem, const unsigned char **record, size_t records)
-{
+static int take_history(dem_t *dem, const unsigned char **record, size_t records) {
   size_t used = 0, capacity = 0;
   dem_entry *entry = NULL;
   PART_TRY(dem_allocate((size_t)dem->store->local, sizeof *dem->kept_count, &dem->kept_count));
@@ -191,8 +180,7 @@ static int take_history(dem_t *dem, const unsigned char **record, size_t records
   return PART_OK;
 }
 
-static int unpack_history(dem_t *dem, const unsigned char *bytes, size_t size)
-{
+static int unpack_history(dem_t *dem, const unsigned char *bytes, size_t size) {
   const unsigned char **record = NULL;
   size_t records = 0;
   int status = index_history(bytes, size, &record, &records);
@@ -203,8 +191,7 @@ static int unpack_history(dem_t *dem, const unsigned char *bytes, size_t size)
 }
 
 /* ---- writing --------------------------------------------------------------------------------- */
-static int write_blobs(dem_t *dem, part_file *file)
-{
+static int write_blobs(dem_t *dem, part_file *file) {
   double budget[BUDGET_VALUES];
   unsigned char *bytes = NULL;
   size_t size = 0;
@@ -223,8 +210,7 @@ static int write_blobs(dem_t *dem, part_file *file)
   return status;
 }
 
-static int write_file(dem_t *dem, part_file *file)
-{
+static int write_file(dem_t *dem, part_file *file) {
   double state[STATE_VALUES], *blocks = NULL;
   int n = 0;
   PART_TRY(part_file_write_store(file, dem->store));
@@ -238,8 +224,7 @@ static int write_file(dem_t *dem, part_file *file)
   return write_blobs(dem, file);
 }
 
-int dem_write(dem_t *dem, const char *path, const char *series)
-{
+int dem_write(dem_t *dem, const char *path, const char *series) {
   part_file *file;
   if (!dem->started)
     return part_fail(PART_ERR_STATE, "dem_write comes after dem_start");
@@ -254,8 +239,7 @@ int dem_write(dem_t *dem, const char *path, const char *series)
 }
 
 /* ---- reading --------------------------------------------------------------------------------- */
-static int unpack_state(dem_t *dem, const char *path, const double *value)
-{
+static int unpack_state(dem_t *dem, const char *path, const double *value) {
   if ((int)value[3] != dem->materials || (size_t)value[4] != dem->walls.elements)
     return part_fail(PART_ERR_FORMAT,
                      "%s was written with %d materials and %d wall elements; now there are %d and "
@@ -272,8 +256,7 @@ static int unpack_state(dem_t *dem, const char *path, const double *value)
   return PART_OK;
 }
 
-static int read_blocks(dem_t *dem, part_file *file)
-{
+static int read_blocks(dem_t *dem, part_file *file) {
   int n = dem->blocks * (BLOCK_VALUES + dem->materials);
   double *values = NULL;
   if (n == 0)
@@ -287,14 +270,12 @@ static int read_blocks(dem_t *dem, part_file *file)
   return status;
 }
 
-static int read_blob(dem_t *dem, part_file *file, const char *name, size_t *size, void **bytes)
-{
+static int read_blob(dem_t *dem, part_file *file, const char *name, size_t *size, void **bytes) {
   return dem->restored_elsewhere ? part_file_read_all_blobs(file, name, size, bytes)
                                  : part_file_read_blob(file, name, size, bytes);
 }
 
-static int read_blobs(dem_t *dem, part_file *file)
-{
+static int read_blobs(dem_t *dem, part_file *file) {
   void *bytes = NULL;
   size_t size = 0;
   PART_TRY(read_blob(dem, file, "demBudget", &size, &bytes));
@@ -316,8 +297,7 @@ static int read_blobs(dem_t *dem, part_file *file)
   return status;
 }
 
-static int check_materials(const dem_t *dem, const char *path)
-{
+static int check_materials(const dem_t *dem, const char *path) {
   for (int i = 0; i < dem->store->local; i++) {
     const double m = dem_vm(dem)[DEM_VM * (size_t)i + 7];
     if (!(m >= 0.0 && m < dem->materials && m == floor(m)))
@@ -327,23 +307,22 @@ static int check_materials(const dem_t *dem, const char *path)
   return PART_OK;
 }
 
-static int read_file(dem_t *dem, const char *path, part_file *file)
-{
+static int read_file(dem_t *dem, const char *path, part_file *file) {
   double state[STATE_VALUES];
   int n = STATE_VALUES;
   PART_TRY(part_file_read_values(file, "demState", &n, state));
-  PART_TRY(part_agree(dem->comm, n == STATE_VALUES
-                                     ? unpack_state(dem, path, state)
-                                     : part_fail(PART_ERR_FORMAT, "%s: demState has %d values, not "
-                                                 "%d", path, n, STATE_VALUES)));
+  PART_TRY(part_agree(dem->comm, n == STATE_VALUES ? unpack_state(dem, path, state)
+                                                   : part_fail(PART_ERR_FORMAT,
+                                                               "%s: demState has %d values, not "
+                                                               "%d",
+                                                               path, n, STATE_VALUES)));
   PART_TRY(part_file_read_store(file, dem->store));
   PART_TRY(part_agree(dem->comm, check_materials(dem, path)));
   PART_TRY(read_blocks(dem, file));
   return read_blobs(dem, file);
 }
 
-int dem_read(dem_t *dem, const char *path)
-{
+int dem_read(dem_t *dem, const char *path) {
   part_file *file;
   double time;
   if (dem->started || dem->restored || dem->seeds > 0)

@@ -3,8 +3,7 @@
 #include "internal.h"
 
 /* Each rank begins with an equal run of the inserted particles; balancing sends them on. */
-static int fill_store(dem_t *dem)
-{
+static int fill_store(dem_t *dem) {
   const int64_t first = dem->seeds * dem->rank / dem->ranks;
   const int64_t last = dem->seeds * (dem->rank + 1) / dem->ranks;
   int at;
@@ -28,8 +27,7 @@ static int fill_store(dem_t *dem)
   return PART_OK;
 }
 
-static int make_blocks(dem_t *dem)
-{
+static int make_blocks(dem_t *dem) {
   for (int64_t k = 0; k < dem->seeds; k++)
     if (dem->seed[k].block >= dem->blocks)
       dem->blocks = dem->seed[k].block + 1;
@@ -42,8 +40,8 @@ static int make_blocks(dem_t *dem)
     if (seed->kind != DEM_BLOCK)
       continue;
     dem_block *block = &dem->block[seed->block];
-    const double mass = dem->material[seed->material].density * 4.0 / 3.0 *
-                        3.14159265358979323846 * seed->r * seed->r * seed->r;
+    const double mass = dem->material[seed->material].density * 4.0 / 3.0 * 3.14159265358979323846 *
+                        seed->r * seed->r * seed->r;
     block->members++;
     block->mass += mass;
     dem->block_gravity[seed->block * dem->materials + seed->material] += mass;
@@ -60,8 +58,7 @@ static int make_blocks(dem_t *dem)
   return PART_OK;
 }
 
-static void set_members(dem_t *dem)
-{
+static void set_members(dem_t *dem) {
   for (int i = 0; i < dem->store->local; i++)
     if (dem_kind_of(dem, i) == DEM_BLOCK) {
       const dem_block *block = &dem->block[dem_block_of(dem, i)];
@@ -71,10 +68,10 @@ static void set_members(dem_t *dem)
     }
 }
 
-static int populate(dem_t *dem)
-{
+static int populate(dem_t *dem) {
   if (dem->materials == 0 || dem->seeds == 0)
-    return part_fail(PART_ERR_STATE, "there are no particles: insert or read some before dem_start");
+    return part_fail(PART_ERR_STATE,
+                     "there are no particles: insert or read some before dem_start");
   dem->total = dem->seeds;
   PART_TRY(make_blocks(dem));
   PART_TRY(fill_store(dem));
@@ -85,8 +82,7 @@ static int populate(dem_t *dem)
   return PART_OK;
 }
 
-static int prepare(dem_t *dem)
-{
+static int prepare(dem_t *dem) {
   if (!dem->restored)
     PART_TRY(populate(dem));
   PART_TRY(dem_allocate((size_t)dem->materials, sizeof *dem->mass_of, &dem->mass_of));
@@ -94,14 +90,12 @@ static int prepare(dem_t *dem)
   return PART_OK;
 }
 
-static int prepare_lists(dem_t *dem)
-{
+static int prepare_lists(dem_t *dem) {
   PART_TRY(part_pairs_create(dem->plan.tangential ? DEM_SPRING : 0, &dem->pairs));
   return dem_walls_bins(&dem->walls, dem->r_max + dem->skin);
 }
 
-int dem_start(dem_t *dem)
-{
+int dem_start(dem_t *dem) {
   if (dem->started)
     return part_fail(PART_ERR_STATE, "dem_start is called once");
   PART_TRY(part_agree(dem->comm, prepare(dem)));

@@ -16,13 +16,11 @@
 static const double covered_height = 1e-6; /* of the radius: single precision of STL files */
 static const double same_direction = 0.9;  /* cosine */
 
-static double dot(const double a[3], const double b[3])
-{
+static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-static int before(const dem_candidate *a, const dem_candidate *b)
-{
+static int before(const dem_candidate *a, const dem_candidate *b) {
   if (a->feature != b->feature)
     return a->feature < b->feature;
   if (a->gap != b->gap)
@@ -31,8 +29,7 @@ static int before(const dem_candidate *a, const dem_candidate *b)
 }
 
 /* Places of a row within the sphere, in the order in which they are taken. */
-static int find(const dem_t *dem, int row, const double *x, dem_candidate *place)
-{
+static int find(const dem_t *dem, int row, const double *x, dem_candidate *place) {
   const dem_walls *walls = &dem->walls;
   const double length[3] = {dem->box.hi[0] - dem->box.lo[0], dem->box.hi[1] - dem->box.lo[1],
                             dem->box.hi[2] - dem->box.lo[2]};
@@ -55,8 +52,7 @@ static int find(const dem_t *dem, int row, const double *x, dem_candidate *place
 }
 
 /* Keep the places that are not covered by one before; returns how many. */
-static int select(dem_candidate *place, int count, double r)
-{
+static int select(dem_candidate *place, int count, double r) {
   int kept = 0;
   for (int k = 0; k < count; k++) {
     int covered = 0;
@@ -68,10 +64,11 @@ static int select(dem_candidate *place, int count, double r)
   return kept;
 }
 
-static int is_active(const dem_near *near) { return dot(near->n, near->n) > 0.0; }
+static int is_active(const dem_near *near) {
+  return dot(near->n, near->n) > 0.0;
+}
 
-static int is_kept(const dem_candidate *place, int kept, int entry)
-{
+static int is_kept(const dem_candidate *place, int kept, int entry) {
   for (int m = 0; m < kept; m++)
     if (place[m].entry == entry)
       return 1;
@@ -79,8 +76,7 @@ static int is_kept(const dem_candidate *place, int kept, int entry)
 }
 
 /* Springs of contacts that have moved on to another element; then forget what is not active. */
-static void hand_over(dem_walls *walls, int row, const dem_candidate *place, int kept)
-{
+static void hand_over(dem_walls *walls, int row, const dem_candidate *place, int kept) {
   for (int m = 0; m < kept; m++) {
     dem_near *to = &walls->near[place[m].entry], *from = NULL;
     double best = same_direction;
@@ -108,8 +104,7 @@ static void hand_over(dem_walls *walls, int row, const dem_candidate *place, int
     }
 }
 
-static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
-{
+static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt) {
   dem_near *near = &dem->walls.near[place->entry];
   const int tangential = dem->plan.tangential;
   const double *vm = dem_vm(dem) + DEM_VM * (size_t)i, *n = place->n;
@@ -138,14 +133,12 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
   }
 }
 
-int dem_walls_touched(const dem_t *dem, int row, dem_candidate *place)
-{
+int dem_walls_touched(const dem_t *dem, int row, dem_candidate *place) {
   const double *x = dem_xr(dem) + DEM_XR * (size_t)dem->walls.particle[row];
   return select(place, find(dem, row, x, place), x[3]);
 }
 
-void dem_wall_forces(dem_t *dem, double dt)
-{
+void dem_wall_forces(dem_t *dem, double dt) {
   dem_walls *walls = &dem->walls;
   for (int row = 0; row < walls->rows; row++) {
     const int kept = dem_walls_touched(dem, row, walls->scratch);

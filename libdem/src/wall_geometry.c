@@ -2,14 +2,12 @@
 /* Nearest point of a wall element, and the bins in which triangles are looked up. */
 #include "internal.h"
 
-static double dot(const double a[3], const double b[3])
-{
+static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
 /* Nearest point a + s ab + t ac of a triangle by the Voronoi region of x; relative to x. */
-static int nearest_of_triangle(const dem_element *e, const double x[3], double p[3])
-{
+static int nearest_of_triangle(const dem_element *e, const double x[3], double p[3]) {
   double ab[3], ac[3], ax[3], bx[3], cx[3], s = 0.0, t = 0.0;
   int feature = 2;
   for (int c = 0; c < 3; c++) {
@@ -51,8 +49,7 @@ static int nearest_of_triangle(const dem_element *e, const double x[3], double p
 }
 
 int dem_element_nearest(const dem_element *e, const double x[3], double p[3], double n[3],
-                        double *distance)
-{
+                        double *distance) {
   const double d[3] = {x[0] - e->a[0], x[1] - e->a[1], x[2] - e->a[2]};
   double side = dot(d, e->n);
   const int feature = e->plane ? 0 : nearest_of_triangle(e, x, p);
@@ -74,16 +71,14 @@ int dem_element_nearest(const dem_element *e, const double x[3], double p[3], do
   return feature;
 }
 
-void dem_shift_position(const double length[3], int shift, const double x[3], double shifted[3])
-{
+void dem_shift_position(const double length[3], int shift, const double x[3], double shifted[3]) {
   /* The element at + s L meets x where the element itself meets x - s L. */
   shifted[0] = x[0] - (shift % 3 - 1) * length[0];
   shifted[1] = x[1] - (shift / 3 % 3 - 1) * length[1];
   shifted[2] = x[2] - (shift / 9 - 1) * length[2];
 }
 
-int dem_bins_find(const dem_bins *bins, const double x[3])
-{
+int dem_bins_find(const dem_bins *bins, const double x[3]) {
   int at[3];
   if (bins->start == NULL)
     return -1;
@@ -96,8 +91,7 @@ int dem_bins_find(const dem_bins *bins, const double x[3])
   return (at[2] * bins->cells[1] + at[1]) * bins->cells[0] + at[0];
 }
 
-static void bounds(const dem_walls *walls, double reach, double lo[3], double hi[3])
-{
+static void bounds(const dem_walls *walls, double reach, double lo[3], double hi[3]) {
   for (int c = 0; c < 3; c++) {
     lo[c] = HUGE_VAL;
     hi[c] = -HUGE_VAL;
@@ -111,8 +105,7 @@ static void bounds(const dem_walls *walls, double reach, double lo[3], double hi
   }
 }
 
-static int size_bins(dem_bins *bins, size_t triangles, double reach, const double hi[3])
-{
+static int size_bins(dem_bins *bins, size_t triangles, double reach, const double hi[3]) {
   const double most = 8.0 * (double)triangles + 64.0;
   double cells;
   for (bins->edge = 2.0 * reach;; bins->edge *= 1.3) {
@@ -128,8 +121,7 @@ static int size_bins(dem_bins *bins, size_t triangles, double reach, const doubl
 }
 
 /* Walk the bins that a triangle belongs to: count them (item NULL) or enter it. */
-static void enter(dem_bins *bins, const dem_element *e, int number, double reach, int *at)
-{
+static void enter(dem_bins *bins, const dem_element *e, int number, double reach, int *at) {
   const double far = reach + 0.5 * sqrt(3.0) * bins->edge * (1.0 + 1e-12);
   int from[3], to[3];
   for (int c = 0; c < 3; c++) {
@@ -156,8 +148,7 @@ static void enter(dem_bins *bins, const dem_element *e, int number, double reach
       }
 }
 
-int dem_walls_bins(dem_walls *walls, double reach)
-{
+int dem_walls_bins(dem_walls *walls, double reach) {
   dem_bins *bins = &walls->bins;
   double hi[3];
   size_t triangles = 0;

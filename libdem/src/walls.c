@@ -2,8 +2,7 @@
 /* Walls as they are given, and the list of elements near each particle. */
 #include "internal.h"
 
-void dem_walls_free(dem_walls *walls)
-{
+void dem_walls_free(dem_walls *walls) {
   free(walls->wall);
   free(walls->element);
   free(walls->bins.start);
@@ -14,8 +13,7 @@ void dem_walls_free(dem_walls *walls)
   free(walls->scratch);
 }
 
-static int add_wall(dem_t *dem, const char *name, int material, int count, dem_element **element)
-{
+static int add_wall(dem_t *dem, const char *name, int material, int count, dem_element **element) {
   dem_walls *walls = &dem->walls;
   if (dem->started)
     return part_fail(PART_ERR_STATE, "walls are added before dem_start");
@@ -43,11 +41,9 @@ static int add_wall(dem_t *dem, const char *name, int material, int count, dem_e
 }
 
 int dem_add_plane(dem_t *dem, const char *name, int material, const double point[3],
-                  const double normal[3])
-{
+                  const double normal[3]) {
   dem_element *e;
-  const double length =
-      sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
+  const double length = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
   if (!(length > 0.0) || !isfinite(length) || !isfinite(point[0] + point[1] + point[2]))
     return part_fail(PART_ERR_RANGE, "plane %s: point must be finite, normal not zero", name);
   for (int c = 0; c < 3; c++)
@@ -68,8 +64,7 @@ int dem_add_plane(dem_t *dem, const char *name, int material, const double point
 }
 
 /* Corners and unit normal; ERR_RANGE for a triangle without area. */
-static int set_triangle(dem_element *e, const char *name, int k, const double *v)
-{
+static int set_triangle(dem_element *e, const char *name, int k, const double *v) {
   double ab[3], ac[3], longest = 0.0;
   memcpy(e->a, v, sizeof e->a);
   memcpy(e->b, v + 3, sizeof e->b);
@@ -91,8 +86,8 @@ static int set_triangle(dem_element *e, const char *name, int k, const double *v
   return PART_OK;
 }
 
-int dem_add_triangles(dem_t *dem, const char *name, int material, int count, const double *vertices)
-{
+int dem_add_triangles(dem_t *dem, const char *name, int material, int count,
+                      const double *vertices) {
   dem_element *e;
   if (count < 1)
     return part_fail(PART_ERR_RANGE, "wall %s has no triangles", name);
@@ -104,16 +99,14 @@ int dem_add_triangles(dem_t *dem, const char *name, int material, int count, con
   return PART_OK;
 }
 
-static int add_near(dem_walls *walls, size_t *used, int element, int shift)
-{
+static int add_near(dem_walls *walls, size_t *used, int element, int shift) {
   PART_TRY(dem_grow(*used + 1, sizeof *walls->near, &walls->near_capacity, &walls->near));
   walls->near[(*used)++] = (dem_near){.element = element, .shift = shift};
   return PART_OK;
 }
 
 /* Elements within r + skin of x, seen with one shift; planes with no shift only. */
-static int near_elements(dem_t *dem, const double x[3], double reach, int shift, size_t *used)
-{
+static int near_elements(dem_t *dem, const double x[3], double reach, int shift, size_t *used) {
   dem_walls *walls = &dem->walls;
   double p[3], n[3], distance;
   if (shift == DEM_NO_SHIFT)
@@ -135,9 +128,10 @@ static int near_elements(dem_t *dem, const double x[3], double reach, int shift,
   return PART_OK;
 }
 
-/* Put history back; what is not near any more stays listed, so that a neighbour may take it over. */
-static int restore(dem_walls *walls, size_t first, size_t *used, int count, const dem_entry *entry)
-{
+/* Put history back; what is not near any more stays listed, so that a neighbour may take it over.
+ */
+static int restore(dem_walls *walls, size_t first, size_t *used, int count,
+                   const dem_entry *entry) {
   for (int k = 0; k < count; k++) {
     if (entry[k].key >= 0)
       continue;
@@ -154,8 +148,7 @@ static int restore(dem_walls *walls, size_t first, size_t *used, int count, cons
   return PART_OK;
 }
 
-static int list_particle(dem_t *dem, int i, size_t *used)
-{
+static int list_particle(dem_t *dem, int i, size_t *used) {
   const double *x = dem_xr(dem) + DEM_XR * (size_t)i;
   const double length[3] = {dem->box.hi[0] - dem->box.lo[0], dem->box.hi[1] - dem->box.lo[1],
                             dem->box.hi[2] - dem->box.lo[2]};
@@ -171,8 +164,7 @@ static int list_particle(dem_t *dem, int i, size_t *used)
   return PART_OK;
 }
 
-int dem_walls_list(dem_t *dem, const int *count, const void *payload)
-{
+int dem_walls_list(dem_t *dem, const int *count, const void *payload) {
   dem_walls *walls = &dem->walls;
   const dem_entry *entry = payload;
   size_t used = 0, longest = 0;
@@ -198,8 +190,7 @@ int dem_walls_list(dem_t *dem, const int *count, const void *payload)
   return dem_grow(longest, sizeof *walls->scratch, &walls->scratch_capacity, &walls->scratch);
 }
 
-int dem_walls_check(dem_t *dem)
-{
+int dem_walls_check(dem_t *dem) {
   const dem_walls *walls = &dem->walls;
   for (int row = 0; row < walls->rows; row++) {
     const int i = walls->particle[row];

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "common.h"
 
-void check_ok(int status, const char *call, const char *file, int line)
-{
+void check_ok(int status, const char *call, const char *file, int line) {
   if (status == PART_OK)
     return;
   print_error("%s: %s: %s\n", call, part_status_name(status), part_last_error());
@@ -10,8 +9,7 @@ void check_ok(int status, const char *call, const char *file, int line)
 }
 
 void check_fails(int wanted, const char *words, int status, const char *call, const char *file,
-                 int line)
-{
+                 int line) {
   if (status == wanted && strstr(part_last_error(), words) != NULL)
     return;
   print_error("%s: wanted %s with '%s', got %s: %s\n", call, part_status_name(wanted), words,
@@ -20,8 +18,7 @@ void check_fails(int wanted, const char *words, int status, const char *call, co
 }
 
 void check_close(double value, double wanted, double tolerance, const char *what, const char *file,
-                 int line)
-{
+                 int line) {
   if (fabs(value - wanted) <= tolerance)
     return;
   print_error("%s = %.17g, wanted %.17g within %.3g, differs by %.3g\n", what, value, wanted,
@@ -29,8 +26,7 @@ void check_close(double value, double wanted, double tolerance, const char *what
   _fail(file, line);
 }
 
-scene scene_default(void)
-{
+scene scene_default(void) {
   scene s;
   memset(&s, 0, sizeof s);
   s.comm = MPI_COMM_WORLD;
@@ -46,8 +42,7 @@ scene scene_default(void)
   return s;
 }
 
-dem_t *scene_create(const scene *s)
-{
+dem_t *scene_create(const scene *s) {
   dem_t *dem;
   dem_material glass = {"glass", s->density};
   OK(dem_create(s->comm, &s->box, &s->params, &dem));
@@ -57,8 +52,7 @@ dem_t *scene_create(const scene *s)
 }
 
 dem_insert lattice(int kind, double diameter, const double origin[3], double spacing, int nx,
-                   int ny, int nz)
-{
+                   int ny, int nz) {
   const double count[3] = {nx, ny, nz};
   dem_insert insert;
   part_params_default(&dem_insert_table, &insert);
@@ -75,8 +69,7 @@ dem_insert lattice(int kind, double diameter, const double origin[3], double spa
 }
 
 dem_insert random_spheres(int64_t number, double diameter, double diameter_max, const double lo[3],
-                          double extent, int64_t seed)
-{
+                          double extent, int64_t seed) {
   dem_insert insert;
   part_params_default(&dem_insert_table, &insert);
   insert.method = DEM_INSERT_RANDOM;
@@ -92,21 +85,18 @@ dem_insert random_spheres(int64_t number, double diameter, double diameter_max, 
   return insert;
 }
 
-void add_sphere(dem_t *dem, int kind, int block, const double x[3], double r, const double v[3])
-{
+void add_sphere(dem_t *dem, int kind, int block, const double x[3], double r, const double v[3]) {
   dem_insert insert = lattice(kind, 2.0 * r, x, 0.0, 1, 1, 1);
   memcpy(insert.velocity, v, sizeof insert.velocity);
   OK(dem_insert_particles(dem, &insert, block, NULL));
 }
 
-static void copy_field(const part_store *store, int field, int i, double to[3])
-{
+static void copy_field(const part_store *store, int field, int i, double to[3]) {
   memcpy(to, part_field_double(store, field) + (size_t)i * (size_t)part_field_stride(store, field),
          3 * sizeof(double));
 }
 
-void find_all(dem_t *dem, MPI_Comm comm, int64_t n, body *bodies)
-{
+void find_all(dem_t *dem, MPI_Comm comm, int64_t n, body *bodies) {
   const part_store *store = dem_store(dem);
   const int64_t *id = part_field_int64(store, DEM_FIELD_ID);
   const int stride = part_field_stride(store, DEM_FIELD_ID);
@@ -123,8 +113,7 @@ void find_all(dem_t *dem, MPI_Comm comm, int64_t n, body *bodies)
   MPI_Allreduce(MPI_IN_PLACE, bodies, (int)(n * 15), MPI_DOUBLE, MPI_SUM, comm);
 }
 
-body find(dem_t *dem, MPI_Comm comm, int64_t id)
-{
+body find(dem_t *dem, MPI_Comm comm, int64_t id) {
   dem_report report;
   OK(dem_get_report(dem, &report));
   body *all = calloc((size_t)report.particles, sizeof *all), one;
@@ -134,8 +123,7 @@ body find(dem_t *dem, MPI_Comm comm, int64_t id)
   return one;
 }
 
-void set_fluid(dem_t *dem, const double su[3], double sp)
-{
+void set_fluid(dem_t *dem, const double su[3], double sp) {
   const part_store *store = dem_store(dem);
   double *fluid = part_field_double(store, DEM_FIELD_FLUID_SU);
   const size_t stride = (size_t)part_field_stride(store, DEM_FIELD_FLUID_SU);
@@ -145,8 +133,7 @@ void set_fluid(dem_t *dem, const double su[3], double sp)
   }
 }
 
-void stir(dem_t *dem, double speed)
-{
+void stir(dem_t *dem, double speed) {
   const part_store *store = dem_store(dem);
   const int64_t *id = part_field_int64(store, DEM_FIELD_ID);
   double *v = part_field_double(store, DEM_FIELD_VELOCITY);
@@ -165,8 +152,7 @@ void stir(dem_t *dem, double speed)
   free(impulse);
 }
 
-static double jitter(int i, int j, int c, int n)
-{
+static double jitter(int i, int j, int c, int n) {
   if (i == 0 || j == 0 || i == n || j == n)
     return 0.0;
   const double s = sin(12.9898 * i + 78.233 * j + 37.719 * c) * 43758.5453;
@@ -174,9 +160,9 @@ static double jitter(int i, int j, int c, int n)
 }
 
 int triangulated_square(const double at[3], const double normal[3], double size, int n,
-                        double *vertices)
-{
-  const double other[3] = {fabs(normal[0]) < 0.6 ? 1.0 : 0.0, fabs(normal[0]) < 0.6 ? 0.0 : 1.0, 0.0};
+                        double *vertices) {
+  const double other[3] = {fabs(normal[0]) < 0.6 ? 1.0 : 0.0, fabs(normal[0]) < 0.6 ? 0.0 : 1.0,
+                           0.0};
   double s[3] = {normal[1] * other[2] - normal[2] * other[1],
                  normal[2] * other[0] - normal[0] * other[2],
                  normal[0] * other[1] - normal[1] * other[0]};
@@ -188,7 +174,8 @@ int triangulated_square(const double at[3], const double normal[3], double size,
   double *to = vertices;
   for (int j = 0; j < n; j++)
     for (int i = 0; i < n; i++) {
-      const int corner[6][2] = {{i, j}, {i + 1, j}, {i + 1, j + 1}, {i, j}, {i + 1, j + 1}, {i, j + 1}};
+      const int corner[6][2] = {{i, j}, {i + 1, j},     {i + 1, j + 1},
+                                {i, j}, {i + 1, j + 1}, {i, j + 1}};
       for (int k = 0; k < 6; k++) {
         const int a = corner[k][0], b = corner[k][1];
         const double p = size * ((a + jitter(a, b, 0, n)) / n - 0.5);
@@ -200,17 +187,17 @@ int triangulated_square(const double at[3], const double normal[3], double size,
   return 2 * n * n;
 }
 
-double sphere_mass(double density, double r) { return density * 4.0 / 3.0 * PI * r * r * r; }
+double sphere_mass(double density, double r) {
+  return density * 4.0 / 3.0 * PI * r * r * r;
+}
 
-int world_rank(void)
-{
+int world_rank(void) {
   int rank;
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   return rank;
 }
 
-int world_size(void)
-{
+int world_size(void) {
   int size;
   MPI_Comm_size(MPI_COMM_WORLD, &size);
   return size;

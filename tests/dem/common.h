@@ -73,5 +73,4 @@ double sphere_mass(double density, double r);
 int world_rank(void);
 int world_size(void);
 
-
 #endif

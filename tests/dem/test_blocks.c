@@ -6,8 +6,7 @@
 static const double still[3] = {0.0, 0.0, 0.0};
 enum { NX = 4, NY = 3, NZ = 5, MEMBERS = NX * NY * NZ };
 
-static dem_t *block_scene(scene *s, int periodic)
-{
+static dem_t *block_scene(scene *s, int periodic) {
   const double at[3] = {-0.05, -0.05, 0.1};
   for (int c = 0; c < 3; c++)
     s->box.periodic[c] = periodic;
@@ -18,8 +17,7 @@ static dem_t *block_scene(scene *s, int periodic)
 }
 
 /* Different for every member, by id. */
-static void uneven_fluid(dem_t *dem, double sp)
-{
+static void uneven_fluid(dem_t *dem, double sp) {
   const part_store *store = dem_store(dem);
   const int64_t *id = part_field_int64(store, DEM_FIELD_ID);
   double *fluid = part_field_double(store, DEM_FIELD_FLUID_SU);
@@ -32,8 +30,7 @@ static void uneven_fluid(dem_t *dem, double sp)
   }
 }
 
-static void sums(double sp, double su[3], double *sp_sum)
-{
+static void sums(double sp, double su[3], double *sp_sum) {
   su[0] = su[1] = su[2] = *sp_sum = 0.0;
   for (int k = 0; k < MEMBERS; k++) {
     su[0] += 1e-3 * sin(k);
@@ -44,8 +41,7 @@ static void sums(double sp, double su[3], double *sp_sum)
 }
 
 /* All members move by the closed form of the whole; their shares add up to its impulse. */
-static void one_body(void **state)
-{
+static void one_body(void **state) {
   (void)state;
   const double dt = 1e-3;
   for (double stiff = 1e-6; stiff < 2e6; stiff *= 100.0) {
@@ -92,8 +88,7 @@ static void one_body(void **state)
 }
 
 /* The state is the same on every rank, bit for bit, while a block lands on a floor. */
-static void same_on_all_ranks(void **state)
-{
+static void same_on_all_ranks(void **state) {
   (void)state;
   scene s = scene_default();
   const double up[3] = {0.0, 0.0, 1.0}, floor_at[3] = {0.0, 0.0, 0.09};
@@ -127,8 +122,7 @@ static void same_on_all_ranks(void **state)
 }
 
 /* A kick on members moves the block by the sum. */
-static void kick_block(void **state)
-{
+static void kick_block(void **state) {
   (void)state;
   scene s = scene_default();
   dem_t *dem = block_scene(&s, 0);
@@ -147,8 +141,7 @@ static void kick_block(void **state)
 }
 
 /* Fixed particles stay, and hand fluid and contact forces to their support. */
-static void fixed_stay(void **state)
-{
+static void fixed_stay(void **state) {
   (void)state;
   scene s = scene_default();
   s.params.gravity[2] = -9.81;
@@ -184,11 +177,12 @@ static void fixed_stay(void **state)
   dem_destroy(dem);
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(one_body),   cmocka_unit_test(same_on_all_ranks),
-      cmocka_unit_test(kick_block), cmocka_unit_test(fixed_stay),
+      cmocka_unit_test(one_body),
+      cmocka_unit_test(same_on_all_ranks),
+      cmocka_unit_test(kick_block),
+      cmocka_unit_test(fixed_stay),
   };
   MPI_Init(&argc, &argv);
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -12,8 +12,7 @@ typedef struct head_on {
 } head_on;
 
 /* Relative speed after over before. */
-static double rebound(const head_on *c)
-{
+static double rebound(const head_on *c) {
   scene s = scene_default();
   s.comm = MPI_COMM_SELF;
   s.contact.restitution = c->e;
@@ -43,14 +42,13 @@ static double rebound(const head_on *c)
   OK(dem_get_report(dem, &report));
   assert_int_equal(report.contacts + report.wall_contacts, 0);
   CLOSE(report.budget_error, 0.0, 1e-13);
-  const double after = wall ? -find(dem, s.comm, 0).v[0]
-                            : find(dem, s.comm, 1).v[0] - find(dem, s.comm, 0).v[0];
+  const double after =
+      wall ? -find(dem, s.comm, 0).v[0] : find(dem, s.comm, 1).v[0] - find(dem, s.comm, 0).v[0];
   dem_destroy(dem);
   return after / v[0];
 }
 
-static double worst_phase(head_on c)
-{
+static double worst_phase(head_on c) {
   double worst = 0.0;
   for (int p = 0; p < 16; p++) {
     c.phase = p / 16.0;
@@ -62,8 +60,7 @@ static double worst_phase(head_on c)
 /* The force is applied from the first step that ends in contact, so touch and release are known to
  * a step only: first order. Bounds: what was measured for peers of the same integrator (9.4e-3,
  * 3.5e-3, 1.7e-3 at tc/20, tc/50, tc/100 for e = 0.9), and halving with the step within a third. */
-static void restitution(void **state)
-{
+static void restitution(void **state) {
   (void)state;
   const head_on cases[] = {
       {{0.01, 0.01}, 0, 0, 0.9, 0, 0}, {{0.01, 0.004}, 0, 0, 0.9, 0, 0},
@@ -83,12 +80,12 @@ static void restitution(void **state)
 }
 
 /* Any restitution at a fine step; e = 1 loses nothing but for the rounding of the phase. */
-static void all_restitutions(void **state)
-{
+static void all_restitutions(void **state) {
   (void)state;
   for (double e = 0.1; e < 1.05; e += 0.1) {
     const head_on c = {{0.01, 0.007}, 0, 0, fmin(e, 1.0), 1.0 / 200, 0.3};
-    /* First order in the step: damping force at touch times one step over momentum is 2 zeta pi/200. */
+    /* First order in the step: damping force at touch times one step over momentum is 2 zeta
+     * pi/200. */
     const double zeta = -log(c.e) / sqrt(PI * PI + log(c.e) * log(c.e));
     CLOSE(rebound(&c), c.e, 2.0 * zeta * PI / 200 + 1e-3);
   }
@@ -98,14 +95,15 @@ typedef struct oblique {
   body before[2], after[2];
 } oblique;
 
-/* Two spheres, the second at rest; the first hits with velocity v and spin w about z at an angle. */
+/* Two spheres, the second at rest; the first hits with velocity v and spin w about z at an angle.
+ */
 static dem_t *run_oblique(scene s, double angle, const double r[2], double speed, int wall,
-                          oblique *result)
-{
+                          oblique *result) {
   s.comm = MPI_COMM_SELF;
   dem_t *dem = scene_create(&s);
   const double gap = 1e-5, v[3] = {speed * cos(angle), speed * sin(angle), 0.0};
-  const double x[3] = {-r[0] - gap, 0.0, 0.0}, y[3] = {r[1], 0.0, 0.0}, normal[3] = {-1.0, 0.0, 0.0};
+  const double x[3] = {-r[0] - gap, 0.0, 0.0}, y[3] = {r[1], 0.0, 0.0},
+               normal[3] = {-1.0, 0.0, 0.0};
   /* Meets exactly on the axis: y offset taken back over the gap. */
   const double start[3] = {x[0], x[1] - gap * tan(angle), 0.0};
   add_sphere(dem, DEM_FREE, -1, start, r[0], v);
@@ -132,8 +130,7 @@ static dem_t *run_oblique(scene s, double angle, const double r[2], double speed
 /* Gross sliding on a wall: the tangential impulse is mu times the normal one, whatever the law of
  * the spring; spin follows from it with the lever arm r - delta/2. Bounds: first order in the step
  * for e (as above) and delta/2r for the arm. */
-static void sliding(void **state)
-{
+static void sliding(void **state) {
   (void)state;
   scene s = scene_default();
   s.contact.friction = 0.2;
@@ -155,8 +152,7 @@ static void sliding(void **state)
 /* Sticking without loss, k_t/k_n = 2/7: normal and tangential springs have one half period, so the
  * tangential velocity of the surface is turned round exactly (Maw et al. 1976 for springs):
  * v_t' = v_t - 2/7 (1 + 1) v_t. Bound: rotation of the contact and delta/2r of the arm. */
-static void sticking(void **state)
-{
+static void sticking(void **state) {
   (void)state;
   scene s = scene_default();
   s.contact.friction = 100.0;
@@ -171,8 +167,7 @@ static void sticking(void **state)
 }
 
 /* Linear and angular momentum of two unequal rough spheres, about the origin. */
-static void angular_momentum(void **state)
-{
+static void angular_momentum(void **state) {
   (void)state;
   scene s = scene_default();
   s.contact.friction = 0.3;
@@ -186,8 +181,8 @@ static void angular_momentum(void **state)
     for (int k = 0; k < 2; k++)
       l += m[k] * (o.after[k].x[0] * o.after[k].v[1] - o.after[k].x[1] * o.after[k].v[0]) +
            0.4 * m[k] * r[k] * r[k] * o.after[k].w[2];
-    const double l0 = m[0] * (o.before[0].x[0] * o.before[0].v[1] -
-                              o.before[0].x[1] * o.before[0].v[0]);
+    const double l0 =
+        m[0] * (o.before[0].x[0] * o.before[0].v[1] - o.before[0].x[1] * o.before[0].v[0]);
     /* Torque and displacement are exact within a step; only rounding is left. */
     CLOSE(l, l0, 1e-12 * m[0] * r[0]);
     for (int c = 0; c < 3; c++)
@@ -196,8 +191,7 @@ static void angular_momentum(void **state)
 }
 
 /* Without friction the tangential velocity and spin do not change at all. */
-static void frictionless(void **state)
-{
+static void frictionless(void **state) {
   (void)state;
   for (int skip = 0; skip <= 1; skip++) {
     scene s = scene_default();
@@ -211,8 +205,7 @@ static void frictionless(void **state)
 }
 
 /* A free particle against one of a block: with the mass of the block the restitution is e. */
-static void against_block(void **state)
-{
+static void against_block(void **state) {
   (void)state;
   scene s = scene_default();
   s.comm = MPI_COMM_SELF;
@@ -234,8 +227,7 @@ static void against_block(void **state)
   dem_destroy(dem);
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(restitution),      cmocka_unit_test(all_restitutions),
       cmocka_unit_test(sliding),          cmocka_unit_test(sticking),

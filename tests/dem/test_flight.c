@@ -6,8 +6,7 @@
 static const double origin[3] = {0.1, -0.2, 0.3}, still[3] = {0.0, 0.0, 0.0};
 
 /* Constant acceleration is exact for any step: only rounding is left. */
-static void free_fall(void **state)
-{
+static void free_fall(void **state) {
   (void)state;
   for (int n = 1; n <= 1000; n *= 10) {
     scene s = scene_default();
@@ -30,8 +29,7 @@ static void free_fall(void **state)
 }
 
 /* m dv/dt = m g + Su - Sp v for Sp dt/m over twelve decades: velocity, position and impulse. */
-static void drag(void **state)
-{
+static void drag(void **state) {
   (void)state;
   const double dt = 1e-3, r = 0.005, su[3] = {2e-3, 0.0, -1e-3}, v0[3] = {0.5, -0.1, 0.2};
   const int n = 5;
@@ -68,8 +66,7 @@ static void drag(void **state)
 }
 
 /* Markauskas et al. 2017 eq. 3-4: v = integral of g [rho_f/rho_s + (1 - rho_f/rho_s) xi]. */
-static void ramp(void **state)
-{
+static void ramp(void **state) {
   (void)state;
   scene s = scene_default();
   const double ramp_time = 0.1, rho = 1000.0, ratio = rho / s.density, g = 9.81;
@@ -96,8 +93,7 @@ static void ramp(void **state)
   FAILS(PART_ERR_RANGE, "rampFluidDensity", dem_create(s.comm, &s.box, &s.params, &dem));
 }
 
-static void kick(void **state)
-{
+static void kick(void **state) {
   (void)state;
   scene s = scene_default();
   dem_t *dem = scene_create(&s);
@@ -122,8 +118,7 @@ static void kick(void **state)
   dem_destroy(dem);
 }
 
-static void bad_states(void **state)
-{
+static void bad_states(void **state) {
   (void)state;
   scene s = scene_default();
   dem_t *dem = scene_create(&s);
@@ -142,8 +137,7 @@ static void bad_states(void **state)
 }
 
 /* A particle that leaves a bounded direction is an error with its id; an unbounded one is not. */
-static void leaves(void **state)
-{
+static void leaves(void **state) {
   (void)state;
   const double v[3] = {100.0, 0.0, 0.0};
   for (int bounded = 0; bounded <= 1; bounded++) {
@@ -160,8 +154,7 @@ static void leaves(void **state)
   }
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(free_fall), cmocka_unit_test(drag),       cmocka_unit_test(ramp),
       cmocka_unit_test(kick),      cmocka_unit_test(bad_states), cmocka_unit_test(leaves),

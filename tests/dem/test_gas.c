@@ -5,8 +5,7 @@
 
 static const double lo[3] = {-0.05, -0.05, -0.05};
 
-static scene gas_scene(void)
-{
+static scene gas_scene(void) {
   scene s = scene_default();
   for (int c = 0; c < 3; c++) {
     s.box.lo[c] = -0.05;
@@ -16,8 +15,7 @@ static scene gas_scene(void)
   return s;
 }
 
-static dem_t *start_gas(const scene *s, int64_t n, double d, double d_max)
-{
+static dem_t *start_gas(const scene *s, int64_t n, double d, double d_max) {
   dem_t *dem = scene_create(s);
   dem_insert insert = random_spheres(n, d, d_max, lo, 0.1, 7);
   OK(dem_insert_particles(dem, &insert, -1, NULL));
@@ -29,8 +27,7 @@ static dem_t *start_gas(const scene *s, int64_t n, double d, double d_max)
 /* Elastic spheres, 0.16 of the volume: energy returns between contacts, and no drift. Bound: in a
  * contact it is stored in springs (a few of 300 at a time), and velocity Verlet at tc/50 with
  * contacts that begin inside a step scatters each by its phase (3.5e-3 of the pair at most). */
-static void elastic_gas(void **state)
-{
+static void elastic_gas(void **state) {
   (void)state;
   const scene s = gas_scene();
   dem_t *dem = start_gas(&s, 300, 0.01, 0.0);
@@ -55,8 +52,7 @@ static void elastic_gas(void **state)
 
 /* A bed with everything: walls, friction, gravity, drag, sizes. The report has the contacts of all
  * advances added up. */
-static dem_report run_bed(MPI_Comm comm, int skip, body *bodies)
-{
+static dem_report run_bed(MPI_Comm comm, int skip, body *bodies) {
   scene s = gas_scene();
   const double floor_at[3] = {0.0, 0.0, -0.05}, up[3] = {0.0, 0.0, 1.0}, su[3] = {1e-3, 0.0, 0.0};
   s.comm = comm;
@@ -92,8 +88,7 @@ static dem_report run_bed(MPI_Comm comm, int skip, body *bodies)
   return report;
 }
 
-static double distance(const body *a, const body *b, double length)
-{
+static double distance(const body *a, const body *b, double length) {
   double most = 0.0;
   for (int c = 0; c < 3; c++) {
     double d = a->x[c] - b->x[c];
@@ -104,8 +99,7 @@ static double distance(const body *a, const body *b, double length)
 }
 
 /* Round-off of sums grows with every collision; 16 ms are about one collision a particle. */
-static void ranks_agree(void **state)
-{
+static void ranks_agree(void **state) {
   (void)state;
   body serial[300], parallel[300];
   const dem_report one = run_bed(MPI_COMM_SELF, 1, serial);
@@ -126,8 +120,7 @@ static void ranks_agree(void **state)
 }
 
 /* Nothing that the plan leaves out changes the answer beyond rounding. */
-static void skipping(void **state)
-{
+static void skipping(void **state) {
   (void)state;
   body on[300], off[300];
   run_bed(MPI_COMM_WORLD, 1, on);
@@ -137,8 +130,7 @@ static void skipping(void **state)
 }
 
 /* Dilute, no friction, far from the walls: most of the plan applies. */
-static void skipping_dilute(void **state)
-{
+static void skipping_dilute(void **state) {
   (void)state;
   body end[2][20];
   dem_report report[2];
@@ -171,8 +163,7 @@ static void skipping_dilute(void **state)
   assert_true(report[1].substeps < report[0].substeps / 2);
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(elastic_gas),
       cmocka_unit_test(ranks_agree),

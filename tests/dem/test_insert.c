@@ -6,8 +6,7 @@
 static const double lo[3] = {-0.5, -0.5, -0.5};
 
 /* A file that all ranks see; rank 0 writes. */
-static void write_text(const char *path, const char *text)
-{
+static void write_text(const char *path, const char *text) {
   if (world_rank() == 0) {
     FILE *file = fopen(path, "w");
     assert_non_null(file);
@@ -17,8 +16,7 @@ static void write_text(const char *path, const char *text)
   MPI_Barrier(MPI_COMM_WORLD);
 }
 
-static const char *path_of(const char *name)
-{
+static const char *path_of(const char *name) {
   static char path[300];
   const char *folder = getenv("TMPDIR");
   snprintf(path, sizeof path, "%s/dem-%s-%d.txt", folder != NULL ? folder : "/tmp", name,
@@ -26,8 +24,7 @@ static const char *path_of(const char *name)
   return path;
 }
 
-static void random_is_repeatable(void **state)
-{
+static void random_is_repeatable(void **state) {
   (void)state;
   enum { N = 500 };
   static body all[N], own[N], seeded[N];
@@ -58,8 +55,7 @@ static void random_is_repeatable(void **state)
   }
 }
 
-static void rotated_lattice(void **state)
-{
+static void rotated_lattice(void **state) {
   (void)state;
   scene s = scene_default();
   dem_t *dem = scene_create(&s);
@@ -76,8 +72,7 @@ static void rotated_lattice(void **state)
   dem_destroy(dem);
 }
 
-static void bad_lattice(void **state)
-{
+static void bad_lattice(void **state) {
   (void)state;
   scene s = scene_default();
   dem_t *dem = scene_create(&s);
@@ -112,8 +107,7 @@ static void bad_lattice(void **state)
 }
 
 /* Across a periodic border, too. */
-static void overlap_over_border(void **state)
-{
+static void overlap_over_border(void **state) {
   (void)state;
   scene s = scene_default();
   s.box.periodic[0] = 1;
@@ -126,8 +120,7 @@ static void overlap_over_border(void **state)
   dem_destroy(dem);
 }
 
-static void bad_random(void **state)
-{
+static void bad_random(void **state) {
   (void)state;
   scene s = scene_default();
   dem_t *dem = scene_create(&s);
@@ -144,16 +137,14 @@ static void bad_random(void **state)
   dem_destroy(dem);
 }
 
-static dem_insert from_file(const char *path)
-{
+static dem_insert from_file(const char *path) {
   dem_insert insert = lattice(DEM_FREE, 0.0, lo, 0.0, 0, 0, 0);
   insert.method = DEM_INSERT_FILE;
   strcpy(insert.file, path);
   return insert;
 }
 
-static void files(void **state)
-{
+static void files(void **state) {
   (void)state;
   scene s = scene_default();
   const char *path = path_of("insert");
@@ -193,8 +184,7 @@ static void files(void **state)
   dem_destroy(dem);
 }
 
-static void bad_materials(void **state)
-{
+static void bad_materials(void **state) {
   (void)state;
   scene s = scene_default();
   dem_t *dem = scene_create(&s);
@@ -221,8 +211,7 @@ static void bad_materials(void **state)
   dem_destroy(dem);
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(random_is_repeatable), cmocka_unit_test(rotated_lattice),
       cmocka_unit_test(bad_lattice),          cmocka_unit_test(overlap_over_border),

@@ -12,8 +12,7 @@
 
 #include "dem/dem.h"
 
-static int drop(double restitution, double *height)
-{
+static int drop(double restitution, double *height) {
   const part_box box = {{-1, -1, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}};
   const double floor_at[3] = {0, 0, 0}, up[3] = {0, 0, 1};
   dem_params params;
@@ -57,8 +56,7 @@ static int drop(double restitution, double *height)
   return PART_OK;
 }
 
-static void rises_to_e_squared(void **state)
-{
+static void rises_to_e_squared(void **state) {
   (void)state;
   double height;
   for (double e = 0.5; e < 0.95; e += 0.2) {
@@ -71,8 +69,7 @@ static void rises_to_e_squared(void **state)
   }
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {cmocka_unit_test(rises_to_e_squared)};
   MPI_Init(&argc, &argv);
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -5,8 +5,7 @@
 
 enum { N = 260, STEPS = 6 };
 
-static const char *path_of(const char *name)
-{
+static const char *path_of(const char *name) {
   static char path[300];
   const char *folder = getenv("TMPDIR");
   snprintf(path, sizeof path, "%s/dem-%s-%d.vtkhdf", folder != NULL ? folder : "/tmp", name,
@@ -15,8 +14,7 @@ static const char *path_of(const char *name)
 }
 
 /* Walls, friction, drag, a block, fixed particles; soft, so that many are in contact. */
-static dem_t *scene_without_particles(MPI_Comm comm)
-{
+static dem_t *scene_without_particles(MPI_Comm comm) {
   scene s = scene_default();
   double vertices[18 * 16];
   const double floor_at[3] = {0.0, 0.0, -0.05}, up[3] = {0.0, 0.0, 1.0};
@@ -36,8 +34,7 @@ static dem_t *scene_without_particles(MPI_Comm comm)
   return dem;
 }
 
-static dem_t *scene_with_particles(MPI_Comm comm)
-{
+static dem_t *scene_with_particles(MPI_Comm comm) {
   dem_t *dem = scene_without_particles(comm);
   const double at[3] = {-0.02, -0.02, 0.03}, low[3] = {0.03, 0.03, -0.044};
   const double from[3] = {-0.05, -0.05, -0.05};
@@ -53,8 +50,7 @@ static dem_t *scene_with_particles(MPI_Comm comm)
   return dem;
 }
 
-static void run(dem_t *dem, int steps)
-{
+static void run(dem_t *dem, int steps) {
   const double su[3] = {2e-4, 0.0, 0.0};
   for (int k = 0; k < steps; k++) {
     set_fluid(dem, su, 1e-3);
@@ -62,8 +58,7 @@ static void run(dem_t *dem, int steps)
   }
 }
 
-static void same_records(dem_t *a, dem_t *b)
-{
+static void same_records(dem_t *a, dem_t *b) {
   const part_store *s = dem_store(a), *t = dem_store(b);
   assert_int_equal(s->local, t->local);
   for (int r = 0; r < DEM_RECORD_COUNT; r++)
@@ -71,8 +66,7 @@ static void same_records(dem_t *a, dem_t *b)
                         (size_t)s->local * (size_t)dem_layout.records[r].width * 8);
 }
 
-static void bit_for_bit(void **state)
-{
+static void bit_for_bit(void **state) {
   (void)state;
   const char *path = path_of("restart");
   dem_report here, there;
@@ -108,8 +102,7 @@ static void bit_for_bit(void **state)
 }
 
 /* Writing itself changes nothing but the order of particles and of sums. */
-static void writing_is_harmless(void **state)
-{
+static void writing_is_harmless(void **state) {
   (void)state;
   const char *path = path_of("harmless");
   static body a[N], b[N];
@@ -136,8 +129,7 @@ static void writing_is_harmless(void **state)
 }
 
 /* Read on one rank what several wrote: the same physics, history included. */
-static void other_ranks(void **state)
-{
+static void other_ranks(void **state) {
   (void)state;
   const char *path = path_of("ranks");
   static body a[N], b[N];
@@ -169,8 +161,7 @@ static void other_ranks(void **state)
     remove(path);
 }
 
-static void bad_files(void **state)
-{
+static void bad_files(void **state) {
   (void)state;
   const char *path = path_of("bad");
   dem_t *one = scene_with_particles(MPI_COMM_WORLD);
@@ -190,8 +181,7 @@ static void bad_files(void **state)
   dem_destroy(two);
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(bit_for_bit),
       cmocka_unit_test(writing_is_harmless),

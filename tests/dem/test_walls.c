@@ -5,15 +5,14 @@
 static const double still[3] = {0.0, 0.0, 0.0};
 
 typedef struct track {
-  double angle;      /* direction of travel in the wall's plane */
+  double angle; /* direction of travel in the wall's plane */
   double friction, restitution;
   double normal[3];
-  double offset;     /* of the centre of the square along the plane */
+  double offset; /* of the centre of the square along the plane */
 } track;
 
 /* A sphere thrown onto a wall so that it slides, then rolls; 2000 steps. */
-static body run_track(const track *t, int triangles, double *vertices, int *most_contacts)
-{
+static body run_track(const track *t, int triangles, double *vertices, int *most_contacts) {
   scene s = scene_default();
   s.comm = MPI_COMM_SELF;
   s.contact.friction = t->friction;
@@ -57,8 +56,7 @@ static body run_track(const track *t, int triangles, double *vertices, int *most
 /* The same trajectory over triangles (smaller and larger than the sphere) as over a plane, through
  * edges and vertices at any angle: the only difference is rounding, 1e-16 m in positions of the
  * corners, amplified by the stiffness over 2e4 steps; bound 1e-9 of the way of 0.1 m. */
-static void same_as_plane(void **state)
-{
+static void same_as_plane(void **state) {
   (void)state;
   const double third = 1.0 / sqrt(3.0);
   const track tracks[] = {
@@ -87,8 +85,7 @@ static void same_as_plane(void **state)
 }
 
 /* Number of contacts of a sphere with r = 1 cm at x. */
-static int contacts_at(const double x[3], int triangles, const double *vertices)
-{
+static int contacts_at(const double x[3], int triangles, const double *vertices) {
   scene s = scene_default();
   s.comm = MPI_COMM_SELF;
   s.params.max_overlap = 1.0;
@@ -103,17 +100,15 @@ static int contacts_at(const double x[3], int triangles, const double *vertices)
 }
 
 /* A roof of two faces with ridge along y at z = 0, slopes -/+ (convex) or + (concave: a valley). */
-static void roof(double slope, double v[36])
-{
+static void roof(double slope, double v[36]) {
   const double w = 0.5, z = slope * w;
-  const double corners[12][3] = {{0, -w, 0}, {w, -w, z},  {w, w, z},   {0, -w, 0},
-                                 {w, w, z},  {0, w, 0},   {0, -w, 0},  {-w, w, z},
-                                 {-w, -w, z}, {0, -w, 0}, {0, w, 0},   {-w, w, z}};
+  const double corners[12][3] = {{0, -w, 0},  {w, -w, z}, {w, w, z},  {0, -w, 0},
+                                 {w, w, z},   {0, w, 0},  {0, -w, 0}, {-w, w, z},
+                                 {-w, -w, z}, {0, -w, 0}, {0, w, 0},  {-w, w, z}};
   memcpy(v, corners, sizeof corners);
 }
 
-static void edges_and_vertices(void **state)
-{
+static void edges_and_vertices(void **state) {
   (void)state;
   double v[36];
   const double depth = 1e-5, r = 0.01;
@@ -134,22 +129,21 @@ static void edges_and_vertices(void **state)
   }
   /* Apex of a pyramid from straight above: one. */
   const double w = 0.1, z = -0.05;
-  const double apex[36] = {0, 0, 0, w, -w, z, w,  w,  z, 0, 0, 0, w,  w,  z, -w, w,  z,
-                           0, 0, 0, -w, w, z, -w, -w, z, 0, 0, 0, -w, -w, z, w,  -w, z};
+  const double apex[36] = {0, 0, 0, w,  -w, z, w,  w,  z, 0, 0, 0, w,  w,  z, -w, w,  z,
+                           0, 0, 0, -w, w,  z, -w, -w, z, 0, 0, 0, -w, -w, z, w,  -w, z};
   const double above[3] = {0.0, 0.0, r - depth}, beside[3] = {1e-4, -2e-4, r - depth};
   assert_int_equal(contacts_at(above, 4, apex), 1);
   assert_int_equal(contacts_at(beside, 4, apex), 1);
   /* Two sides and floor of a corner: three. */
   const double l = 0.3;
-  const double corner[27] = {-l, -l, 0, l, -l, 0, -l, l, 0, 0, -l, -l, 0, l, -l, 0, -l, l,
-                             -l, 0, -l, l, 0, -l, -l, 0, l};
+  const double corner[27] = {-l, -l, 0,  l, -l, 0, -l, l, 0, 0,  -l, -l, 0, l,
+                             -l, 0,  -l, l, -l, 0, -l, l, 0, -l, -l, 0,  l};
   const double inside[3] = {-(r - depth), -(r - depth), r - depth};
   assert_int_equal(contacts_at(inside, 3, corner), 3);
 }
 
 /* A floor of triangles over a periodic box carries on over the border. */
-static void periodic_floor(void **state)
-{
+static void periodic_floor(void **state) {
   (void)state;
   scene s = scene_default();
   const double at[3] = {0.0, 0.0, 0.0}, normal[3] = {0.0, 0.0, 1.0};
@@ -187,8 +181,7 @@ static void periodic_floor(void **state)
   }
 }
 
-static void bad_walls(void **state)
-{
+static void bad_walls(void **state) {
   (void)state;
   scene s = scene_default();
   s.box.periodic[0] = 1;
@@ -207,11 +200,12 @@ static void bad_walls(void **state)
   dem_destroy(dem);
 }
 
-int main(int argc, char **argv)
-{
+int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(same_as_plane),  cmocka_unit_test(edges_and_vertices),
-      cmocka_unit_test(periodic_floor), cmocka_unit_test(bad_walls),
+      cmocka_unit_test(same_as_plane),
+      cmocka_unit_test(edges_and_vertices),
+      cmocka_unit_test(periodic_floor),
+      cmocka_unit_test(bad_walls),
   };
   MPI_Init(&argc, &argv);
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);

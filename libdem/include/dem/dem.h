@@ -47,14 +47,14 @@ typedef enum {
 
 /* ---- parameters: rows in dem/<name>_params.def ---------------------------------------------- */
 typedef struct dem_params {
-  double gravity[3];          /* m/s2 */
-  double ramp_time;           /* s; Markauskas et al. 2017 eq. 3-4; 0: no ramp */
-  double ramp_fluid_density;  /* kg/m3, rho_f of eq. 3; needed with ramp_time > 0 */
-  double time_step_fraction;  /* of the shortest contact time, default 1/50 */
-  double skin_fraction;       /* Verlet skin over the mean radius */
-  double max_overlap;         /* of the smaller radius: ERR_OVERLAP at insertion, reported later */
-  double balance_ratio;       /* repartition when largest/mean particle number exceeds it */
-  int skip;                   /* 1: leave out what the scene does not need (scene plan) */
+  double gravity[3];         /* m/s2 */
+  double ramp_time;          /* s; Markauskas et al. 2017 eq. 3-4; 0: no ramp */
+  double ramp_fluid_density; /* kg/m3, rho_f of eq. 3; needed with ramp_time > 0 */
+  double time_step_fraction; /* of the shortest contact time, default 1/50 */
+  double skin_fraction;      /* Verlet skin over the mean radius */
+  double max_overlap;        /* of the smaller radius: ERR_OVERLAP at insertion, reported later */
+  double balance_ratio;      /* repartition when largest/mean particle number exceeds it */
+  int skip;                  /* 1: leave out what the scene does not need (scene plan) */
 } dem_params;
 extern const part_param_table dem_params_table;
 
@@ -67,32 +67,33 @@ extern const part_param_table dem_material_table;
 
 /* Contact of two materials. */
 typedef struct dem_contact {
-  int law;                  /* row of dem/contact_laws.def */
-  double normal_stiffness;  /* N/m */
-  double tangential_ratio;  /* k_t/k_n, default 2/7 */
-  double restitution;       /* (0, 1]; damping is derived from it */
-  double friction;          /* Coulomb coefficient, >= 0 */
+  int law;                 /* row of dem/contact_laws.def */
+  double normal_stiffness; /* N/m */
+  double tangential_ratio; /* k_t/k_n, default 2/7 */
+  double restitution;      /* (0, 1]; damping is derived from it */
+  double friction;         /* Coulomb coefficient, >= 0 */
 } dem_contact;
 extern const part_param_table dem_contact_table;
 
 /* Insertion of particles. */
 typedef enum { DEM_INSERT_LATTICE, DEM_INSERT_RANDOM, DEM_INSERT_FILE } dem_insert_method;
 typedef struct dem_insert {
-  int method;          /* lattice | random | file */
-  int kind;            /* free | fixed | block */
+  int method; /* lattice | random | file */
+  int kind;   /* free | fixed | block */
   char material[PART_PARAM_WORD_LENGTH];
-  double diameter;     /* m; lattice and random */
-  double diameter_max; /* m; random: uniform between diameter and this; default: diameter */
-  double origin[3];    /* m; lattice: centre of the first particle; random: lower corner */
-  double spacing[3];   /* m; lattice */
-  double count[3];     /* lattice: numbers per direction, whole */
-  double extent[3];    /* m; random: size of the box (spheres lie fully inside) */
+  double diameter;         /* m; lattice and random */
+  double diameter_max;     /* m; random: uniform between diameter and this; default: diameter */
+  double origin[3];        /* m; lattice: centre of the first particle; random: lower corner */
+  double spacing[3];       /* m; lattice */
+  double count[3];         /* lattice: numbers per direction, whole */
+  double extent[3];        /* m; random: size of the box (spheres lie fully inside) */
   double rotation_axis[3]; /* lattice: turned about origin by angle; default none */
   double rotation_angle;   /* rad */
-  int64_t number;      /* random */
-  int64_t seed;        /* random */
-  double velocity[3];  /* m/s */
-  char file[PART_PARAM_WORD_LENGTH]; /* file: text, one particle a line: x y z d [vx vy vz], # comments */
+  int64_t number;          /* random */
+  int64_t seed;            /* random */
+  double velocity[3];      /* m/s */
+  char file[PART_PARAM_WORD_LENGTH]; /* file: text, one particle a line: x y z d [vx vy vz], #
+                                        comments */
 } dem_insert;
 extern const part_param_table dem_insert_table;
 
@@ -124,7 +125,12 @@ int dem_insert_particles(dem_t *dem, const dem_insert *insert, int block, int64_
 int dem_start(dem_t *dem);
 
 /* ---- running -------------------------------------------------------------------------------- */
-/* Collective. Advance by dt (s) in equal substeps no longer than the stable one. The order of own
+/* Contact: two particles touch unless both are fixed or belong to one block. Contact force, torque
+ * and history are described in doc/equations.md and libdem/src/laws. Between rebuilds of the
+ * neighbour lists positions may lie outside a periodic box by up to half the skin (one mean radius
+ * when nothing can touch): part_box_wrap brings a copy inside.
+ *
+ * Collective. Advance by dt (s) in equal substeps no longer than the stable one. The order of own
  * particles may change (migration, sorting): ask dem_store and its records again. *substeps may be
  * NULL. ERR_NUMERIC, ERR_OUTSIDE: the text names id, place and time. */
 int dem_advance(dem_t *dem, double dt, int *substeps);
@@ -140,20 +146,22 @@ long long dem_generation(const dem_t *dem);
  * collective; fixed: to the support). Counts as fluid impulse in the budget. Collective. */
 int dem_kick(dem_t *dem, const double *impulse);
 
-double dem_time(const dem_t *dem);             /* s, since the start of the simulation */
+double dem_time(const dem_t *dem); /* s, since the start of the simulation */
 void dem_set_time(dem_t *dem, double time);
-double dem_stable_step(const dem_t *dem);      /* s; infinite when nothing can touch */
+double dem_stable_step(const dem_t *dem); /* s; infinite when nothing can touch */
 
 typedef struct dem_report {
   int64_t particles, contacts, wall_contacts;
-  double max_overlap;      /* of the smaller radius */
-  double max_speed;        /* m/s */
-  double kinetic_energy;   /* J */
-  double momentum[3];      /* kg m/s, of free and block particles */
+  double max_overlap;    /* of the smaller radius */
+  double max_speed;      /* m/s */
+  double kinetic_energy; /* J */
+  double momentum[3];    /* kg m/s, of free and block particles */
   /* impulses since the start (N s); momentum - initial momentum = gravity + fluid + walls +
    * contact with fixed particles, to round-off */
   double gravity_impulse[3], fluid_impulse[3], wall_impulse[3], support_impulse[3];
-  double budget_error;     /* |momentum change - impulses| over the largest of them */
+  /* |momentum change - impulses| over the largest of them and of sum m|v|. Fixed particles are not
+   * in the budget: what they get, from the fluid too, goes to their support. */
+  double budget_error;
   long long substeps, rebuilds;
 } dem_report;
 /* Collective. */

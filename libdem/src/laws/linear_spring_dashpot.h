@@ -17,8 +17,8 @@
 
 #define DEM_TANGENTIAL_MASS (2.0 / 7.0) /* of m_eff, solid spheres */
 
-static inline void dem_law_linear_spring_dashpot_coefs(const dem_contact *contact, dem_coefs *coefs)
-{
+static inline void dem_law_linear_spring_dashpot_coefs(const dem_contact *contact,
+                                                       dem_coefs *coefs) {
   const double pi = 3.14159265358979323846;
   const double log_e = log(contact->restitution);
   const double zeta = -log_e / sqrt(pi * pi + log_e * log_e);
@@ -31,8 +31,8 @@ static inline void dem_law_linear_spring_dashpot_coefs(const dem_contact *contac
 }
 
 /* Half period of the undamped contact, normal or tangential, whichever is shorter (s). */
-static inline double dem_law_linear_spring_dashpot_time(const dem_coefs *coefs, double inverse_mass)
-{
+static inline double dem_law_linear_spring_dashpot_time(const dem_coefs *coefs,
+                                                        double inverse_mass) {
   const double pi = 3.14159265358979323846;
   const double k_t = coefs->mu > 0.0 ? coefs->k_t / DEM_TANGENTIAL_MASS : 0.0;
   return pi / sqrt(inverse_mass * (k_t > coefs->k_n ? k_t : coefs->k_n));
@@ -40,8 +40,7 @@ static inline double dem_law_linear_spring_dashpot_time(const dem_coefs *coefs, 
 
 /* Rotate the spring into the contact plane, its length kept, and stretch it by v_t dt. */
 static inline void dem_law_spring(const double n[3], const double v_t[3], double dt,
-                                  double spring[3])
-{
+                                  double spring[3]) {
   const double s2 = spring[0] * spring[0] + spring[1] * spring[1] + spring[2] * spring[2];
   double scale = 1.0;
   if (s2 > 0.0) {
@@ -57,8 +56,7 @@ static inline void dem_law_spring(const double n[3], const double v_t[3], double
 
 static inline void dem_law_linear_spring_dashpot(const dem_coefs *coefs, const dem_touch *touch,
                                                  int tangential, double dt, double spring[3],
-                                                 double force[3])
-{
+                                                 double force[3]) {
   const double *n = touch->n, *v = touch->v;
   const double root_mass = 1.0 / sqrt(touch->inverse_mass);
   const double v_n = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
