@@ -6,25 +6,27 @@
 #include "particle/exchange.h"
 #include "rendezvous_bins.h"
 
+/* Components per visit that the buffers hold without asking all ranks for memory again. */
+enum { USUAL_WIDTH = 10 };
+
 struct cpl_rendezvous {
   MPI_Comm comm;
-  int size;
+  int size, rank;
   part_box box;
   cpl_bins bins;
   int *stamp; /* [size] number of the last image that visits the rank */
   int stamp_now;
-  long long bytes; /* of plans already destroyed */
-  /* own side */
-  int sent;
-  CPL_ARRAY(int) particle;
+  int own;                  /* visits to this rank */
+  int away;                 /* visits to other ranks */
+  int received;             /* visits from other ranks */
+  CPL_ARRAY(int) particle;  /* [own + away] */
+  CPL_ARRAY(double) sphere; /* [own + received][4] */
+  CPL_ARRAY(int) away_particle;
   CPL_ARRAY(int) destination;
-  CPL_ARRAY(double) sphere;
-  /* side of the cells */
-  part_exchange *plan; /* NULL with one rank */
-  int received;
-  CPL_ARRAY(double) received_sphere;
-  CPL_ARRAY(double) own_buffer;
-  CPL_ARRAY(double) mesh_buffer;
+  CPL_ARRAY(double) away_sphere;
+  part_exchange *plan; /* of the visits to other ranks; NULL with one rank */
+  CPL_ARRAY(double) away_buffer;
+  CPL_ARRAY(double) received_buffer;
 };
 
 int cpl_rendezvous_create(MPI_Comm comm, int cells, const cpl_search *search, const part_box *box,
@@ -35,6 +37,7 @@ int cpl_rendezvous_create(MPI_Comm comm, int cells, const cpl_search *search, co
   r->comm = comm;
   r->box = *box;
   MPI_Comm_size(comm, &r->size);
+  MPI_Comm_rank(comm, &r->rank);
   r->stamp = calloc((size_t)r->size, sizeof *r->stamp);
   if (!r->stamp)
     status = part_fail(PART_ERR_MEMORY, "coupling: no memory for %d ranks", r->size);
@@ -57,7 +60,6 @@ int cpl_rendezvous_create(MPI_Comm comm, int cells, const cpl_search *search, co
 
 static void destroy_plan(cpl_rendezvous *r) {
   if (r->plan) {
-    r->bytes += part_exchange_bytes(r->plan);
     part_exchange_destroy(r->plan);
     r->plan = NULL;
   }
@@ -70,26 +72,34 @@ void cpl_rendezvous_destroy(cpl_rendezvous *r) {
   cpl_bins_free(&r->bins);
   free(r->stamp);
   CPL_FREE(r->particle);
-  CPL_FREE(r->destination);
   CPL_FREE(r->sphere);
-  CPL_FREE(r->received_sphere);
-  CPL_FREE(r->own_buffer);
-  CPL_FREE(r->mesh_buffer);
+  CPL_FREE(r->away_particle);
+  CPL_FREE(r->destination);
+  CPL_FREE(r->away_sphere);
+  CPL_FREE(r->away_buffer);
+  CPL_FREE(r->received_buffer);
   free(r);
 }
 
 /* ---- visits --------------------------------------------------------------------------------- */
 static int add_visit(cpl_rendezvous *r, int particle, int destination, const double sphere[4]) {
-  const int k = r->sent;
-  PART_TRY(CPL_RESERVE(r->particle, k + 1));
-  PART_TRY(CPL_RESERVE(r->sphere, 4 * ((size_t)k + 1)));
-  if (r->size > 1) {
+  if (destination == r->rank) {
+    const size_t k = (size_t)r->own;
+    PART_TRY(CPL_RESERVE(r->particle, k + 1));
+    PART_TRY(CPL_RESERVE(r->sphere, 4 * (k + 1)));
+    r->particle.data[k] = particle;
+    memcpy(r->sphere.data + 4 * k, sphere, 4 * sizeof *sphere);
+    r->own++;
+  } else {
+    const size_t k = (size_t)r->away;
+    PART_TRY(CPL_RESERVE(r->away_particle, k + 1));
     PART_TRY(CPL_RESERVE(r->destination, k + 1));
+    PART_TRY(CPL_RESERVE(r->away_sphere, 4 * (k + 1)));
+    r->away_particle.data[k] = particle;
     r->destination.data[k] = destination;
+    memcpy(r->away_sphere.data + 4 * k, sphere, 4 * sizeof *sphere);
+    r->away++;
   }
-  r->particle.data[k] = particle;
-  memcpy(r->sphere.data + 4 * (size_t)k, sphere, 4 * sizeof *sphere);
-  r->sent = k + 1;
   return PART_OK;
 }
 
@@ -109,7 +119,7 @@ static int visit_ranks(cpl_rendezvous *r, int particle, const double sphere[4]) 
     to[k] = b >= bins->n[k] ? bins->n[k] - 1 : (int)b;
   }
   if (r->size == 1)
-    return add_visit(r, particle, 0, sphere);
+    return add_visit(r, particle, r->rank, sphere);
   r->stamp_now++;
   for (int z = from[2]; z <= to[2]; z++)
     for (int y = from[1]; y <= to[1]; y++)
@@ -177,8 +187,7 @@ static int visit_images(cpl_rendezvous *r, int particle, const double *position,
 }
 
 int cpl_rendezvous_visits(cpl_rendezvous *r, const cpl_particles *p) {
-  r->sent = 0;
-  r->received = 0;
+  r->own = r->away = r->received = 0;
   r->stamp_now = 0;
   memset(r->stamp, 0, (size_t)r->size * sizeof *r->stamp);
   for (int i = 0; i < p->count; i++) {
@@ -187,80 +196,85 @@ int cpl_rendezvous_visits(cpl_rendezvous *r, const cpl_particles *p) {
     PART_TRY(check_sphere(r, x, radius, p->id[(size_t)i * (size_t)p->id_stride]));
     PART_TRY(visit_images(r, i, x, radius));
   }
-  if (r->size == 1)
-    r->received = r->sent;
+  PART_TRY(CPL_RESERVE(r->particle, r->own + r->away));
+  if (r->away > 0)
+    memcpy(r->particle.data + r->own, r->away_particle.data,
+           (size_t)r->away * sizeof *r->particle.data);
   return PART_OK;
 }
 
 /* ---- exchange ------------------------------------------------------------------------------- */
 static int make_plan(cpl_rendezvous *r) {
   destroy_plan(r);
-  PART_TRY(part_exchange_create(r->comm, r->sent, r->destination.data, &r->plan));
+  PART_TRY(part_exchange_create(r->comm, r->away, r->destination.data, &r->plan));
   r->received = part_exchange_receive_count(r->plan);
   return PART_OK;
+}
+
+/* Room for n doubles per visit on both sides. */
+static int buffers(cpl_rendezvous *r, int n) {
+  PART_TRY(CPL_RESERVE(r->away_buffer, (size_t)r->away * (size_t)n));
+  return CPL_RESERVE(r->received_buffer, (size_t)r->received * (size_t)n);
 }
 
 int cpl_rendezvous_send(cpl_rendezvous *r) {
   if (r->size == 1)
     return PART_OK;
   PART_TRY(make_plan(r));
-  PART_TRY(part_agree(r->comm, CPL_RESERVE(r->received_sphere, 4 * (size_t)r->received)));
-  return part_exchange_forward(r->plan, 4 * sizeof(double), r->sphere.data,
-                               r->received_sphere.data);
+  int status = CPL_RESERVE(r->sphere, 4 * ((size_t)r->own + (size_t)r->received));
+  if (status == PART_OK)
+    status = buffers(r, USUAL_WIDTH);
+  PART_TRY(part_agree(r->comm, status));
+  return part_exchange_forward(r->plan, 4 * sizeof(double), r->away_sphere.data,
+                               r->sphere.data + 4 * (size_t)r->own);
 }
 
 int cpl_rendezvous_sent(const cpl_rendezvous *r) {
-  return r->sent;
+  return r->own + r->away;
+}
+int cpl_rendezvous_own(const cpl_rendezvous *r) {
+  return r->own;
 }
 const int *cpl_rendezvous_particle(const cpl_rendezvous *r) {
   return r->particle.data;
 }
 int cpl_rendezvous_received(const cpl_rendezvous *r) {
-  return r->received;
+  return r->own + r->received;
 }
 const double *cpl_rendezvous_spheres(const cpl_rendezvous *r) {
-  return r->size == 1 ? r->sphere.data : r->received_sphere.data;
+  return r->sphere.data;
 }
 
-/* Room for n doubles per visit on both sides, agreed by all ranks. */
-static int buffers(cpl_rendezvous *r, int n) {
-  int status = CPL_RESERVE(r->own_buffer, (size_t)r->sent * (size_t)n);
-  if (status == PART_OK)
-    status = CPL_RESERVE(r->mesh_buffer, (size_t)r->received * (size_t)n);
-  return part_agree(r->comm, status);
+static int ready(cpl_rendezvous *r, int n, double *value, cpl_visit_range range[2]) {
+  if (r->size > 1 && n > USUAL_WIDTH)
+    PART_TRY(part_agree(r->comm, buffers(r, n)));
+  range[0] = (cpl_visit_range){0, r->own, value, r->particle.data};
+  range[1] = (cpl_visit_range){r->own, r->received, r->received_buffer.data, NULL};
+  return PART_OK;
 }
 
-int cpl_rendezvous_forward(cpl_rendezvous *r, int n, const double *value, const double **at,
-                           const int **index) {
-  if (r->size == 1) {
-    *at = value;
-    *index = r->particle.data;
-    return PART_OK;
-  }
-  PART_TRY(buffers(r, n));
+int cpl_rendezvous_forward(cpl_rendezvous *r, int n, const double *value,
+                           cpl_visit_range range[2]) {
   const size_t width = (size_t)n;
-  for (int k = 0; k < r->sent; k++)
-    memcpy(r->own_buffer.data + (size_t)k * width, value + (size_t)r->particle.data[k] * width,
+  PART_TRY(ready(r, n, (double *)(uintptr_t)value, range)); /* const is kept by the caller */
+  if (r->size == 1)
+    return PART_OK;
+  const int *particle = r->particle.data + r->own;
+  for (size_t k = 0; k < (size_t)r->away; k++)
+    memcpy(r->away_buffer.data + k * width, value + (size_t)particle[k] * width,
            width * sizeof *value);
-  *at = r->mesh_buffer.data;
-  *index = NULL;
-  return part_exchange_forward(r->plan, width * sizeof *value, r->own_buffer.data,
-                               r->mesh_buffer.data);
+  return part_exchange_forward(r->plan, width * sizeof *value, r->away_buffer.data,
+                               r->received_buffer.data);
 }
 
-int cpl_rendezvous_begin(cpl_rendezvous *r, int n, int count, double *value, double **at,
-                         const int **index) {
+int cpl_rendezvous_begin(cpl_rendezvous *r, int n, int particles, double *value,
+                         cpl_visit_range range[2]) {
   const size_t width = (size_t)n;
-  memset(value, 0, (size_t)count * width * sizeof *value);
-  if (r->size == 1) {
-    *at = value;
-    *index = r->particle.data;
-    return PART_OK;
-  }
-  PART_TRY(buffers(r, n));
-  memset(r->mesh_buffer.data, 0, (size_t)r->received * width * sizeof *value);
-  *at = r->mesh_buffer.data;
-  *index = NULL;
+  PART_TRY(ready(r, n, value, range));
+  if (particles > 0)
+    memset(value, 0, (size_t)particles * width * sizeof *value);
+  if (r->received > 0)
+    memset(r->received_buffer.data, 0, (size_t)r->received * width * sizeof *value);
   return PART_OK;
 }
 
@@ -268,11 +282,12 @@ int cpl_rendezvous_end(cpl_rendezvous *r, int n, double *value) {
   if (r->size == 1)
     return PART_OK;
   const size_t width = (size_t)n;
-  PART_TRY(part_exchange_reverse(r->plan, width * sizeof *value, r->mesh_buffer.data,
-                                 r->own_buffer.data));
-  for (int k = 0; k < r->sent; k++) {
-    double *sum = value + (size_t)r->particle.data[k] * width;
-    const double *part = r->own_buffer.data + (size_t)k * width;
+  PART_TRY(part_exchange_reverse(r->plan, width * sizeof *value, r->received_buffer.data,
+                                 r->away_buffer.data));
+  const int *particle = r->particle.data + r->own;
+  for (size_t k = 0; k < (size_t)r->away; k++) {
+    double *sum = value + (size_t)particle[k] * width;
+    const double *part = r->away_buffer.data + k * width;
     for (size_t d = 0; d < width; d++)
       sum[d] += part[d];
   }
@@ -280,19 +295,21 @@ int cpl_rendezvous_end(cpl_rendezvous *r, int n, double *value) {
 }
 
 int cpl_rendezvous_reverse_visits(cpl_rendezvous *r, int n, const double *received, double *sent) {
-  if (r->size > 1)
-    return part_exchange_reverse(r->plan, (size_t)n * sizeof *sent, received, sent);
-  if (r->sent > 0)
-    memcpy(sent, received, (size_t)r->sent * (size_t)n * sizeof *sent);
-  return PART_OK;
+  const size_t own = (size_t)r->own * (size_t)n;
+  if (own > 0)
+    memcpy(sent, received, own * sizeof *sent);
+  return r->size == 1
+             ? PART_OK
+             : part_exchange_reverse(r->plan, (size_t)n * sizeof *sent, received + own, sent + own);
 }
 
 int cpl_rendezvous_forward_visits(cpl_rendezvous *r, int n, const double *sent, double *received) {
-  if (r->size > 1)
-    return part_exchange_forward(r->plan, (size_t)n * sizeof *sent, sent, received);
-  if (r->sent > 0)
-    memcpy(received, sent, (size_t)r->sent * (size_t)n * sizeof *sent);
-  return PART_OK;
+  const size_t own = (size_t)r->own * (size_t)n;
+  if (own > 0)
+    memcpy(received, sent, own * sizeof *sent);
+  return r->size == 1
+             ? PART_OK
+             : part_exchange_forward(r->plan, (size_t)n * sizeof *sent, sent + own, received + own);
 }
 
 int cpl_rendezvous_drop(cpl_rendezvous *r, const double *keep, const double *keep_received,
@@ -300,35 +317,30 @@ int cpl_rendezvous_drop(cpl_rendezvous *r, const double *keep, const double *kee
   *dropped = 0;
   if (r->size == 1)
     return PART_OK;
-  long long mine[2] = {0, r->sent}, all[2];
-  for (int k = 0; k < r->sent; k++)
+  long long mine[2] = {0, r->away}, all[2];
+  keep += r->own;
+  for (int k = 0; k < r->away; k++)
     mine[0] += keep[k] == 0.0;
   MPI_Allreduce(mine, all, 2, MPI_LONG_LONG, MPI_SUM, r->comm);
-  if (4 * all[0] < all[1]) /* a new plan costs about what five exchanges of a quarter do */
+  if (all[0] == 0 || 4 * all[0] < all[1]) /* a new plan has the latency of two messages */
     return PART_OK;
   int n = 0;
-  for (int k = 0; k < r->sent; k++)
+  for (int k = 0; k < r->away; k++)
     if (keep[k] != 0.0) {
-      r->particle.data[n] = r->particle.data[k];
+      r->particle.data[r->own + n] = r->particle.data[r->own + k];
       r->destination.data[n++] = r->destination.data[k];
     }
-  r->sent = n;
+  r->away = n;
   n = 0;
+  keep_received += r->own;
+  double *sphere = r->sphere.data + 4 * (size_t)r->own;
   for (int k = 0; k < r->received; k++)
-    if (keep_received[k] != 0.0) {
-      memmove(r->received_sphere.data + 4 * (size_t)n, r->received_sphere.data + 4 * (size_t)k,
-              4 * sizeof(double));
-      n++;
-    }
+    if (keep_received[k] != 0.0)
+      memmove(sphere + 4 * (size_t)n++, sphere + 4 * (size_t)k, 4 * sizeof *sphere);
   PART_TRY(make_plan(r));
   *dropped = 1;
-  return part_agree(r->comm, r->received == n ? PART_OK
-                                              : part_fail(PART_ERR_STATE,
-                                                          "coupling: %d visits "
-                                                          "left of %d",
-                                                          r->received, n));
-}
-
-long long cpl_rendezvous_bytes(const cpl_rendezvous *r) {
-  return r->bytes + (r->plan ? part_exchange_bytes(r->plan) : 0);
+  return part_agree(
+      r->comm, r->received == n
+                   ? PART_OK
+                   : part_fail(PART_ERR_STATE, "coupling: %d visits left of %d", r->received, n));
 }

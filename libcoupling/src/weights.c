@@ -258,13 +258,13 @@ static int normalise(cpl_weights *w) {
   PART_TRY(cpl_rendezvous_drop(w->rendezvous, w->own_value.data, w->row_value.data, &dropped));
   if (!dropped)
     return PART_OK;
-  int n = 0;
-  for (int k = 0; k < w->rows; k++)
+  const int rows = w->rows;
+  w->rows = cpl_rendezvous_own(w->rendezvous); /* rows of own visits stay, empty or not */
+  for (int k = w->rows; k < rows; k++)
     if (w->row_value.data[k] != 0.0) {
-      w->start.data[n] = w->start.data[k];
-      w->length.data[n++] = w->length.data[k];
+      w->start.data[w->rows] = w->start.data[k];
+      w->length.data[w->rows++] = w->length.data[k];
     }
-  w->rows = n;
   return PART_OK;
 }
 
@@ -286,73 +286,58 @@ int cpl_weights_locate(cpl_weights *w, const cpl_particles *p) {
 
 /* ---- deposit and sample: stamped for the numbers of components in use ------------------------ */
 static inline __attribute__((always_inline)) void
-deposit_rows(const cpl_weights *w, size_t n, const double *at, const int *index, double *cell) {
-  for (int k = 0; k < w->rows; k++) {
-    const double *value = at + (size_t)(index ? index[k] : k) * n;
-    const int *c = w->list.cell + w->start.data[k];
-    const double *weight = w->list.volume + w->start.data[k];
-    const int length = w->length.data[k];
-    for (int j = 0; j < length; j++)
+deposit_rows(const cpl_weights *w, size_t n, const cpl_visit_range *range, double *cell) {
+  for (int k = 0; k < range->count; k++) {
+    const double *value = range->at + (size_t)(range->index ? range->index[k] : k) * n;
+    const int first = w->start.data[range->first + k], length = w->length.data[range->first + k];
+    for (int j = first; j < first + length; j++)
       for (size_t d = 0; d < n; d++)
-        cell[(size_t)c[j] * n + d] += weight[j] * value[d];
+        cell[(size_t)w->list.cell[j] * n + d] += w->list.volume[j] * value[d];
   }
 }
 
 static inline __attribute__((always_inline)) void
-sample_rows(const cpl_weights *w, size_t n, const double *cell, double *at, const int *index) {
-  for (int k = 0; k < w->rows; k++) {
-    double *sum = at + (size_t)(index ? index[k] : k) * n;
-    const int *c = w->list.cell + w->start.data[k];
-    const double *weight = w->list.volume + w->start.data[k];
-    const int length = w->length.data[k];
-    for (int j = 0; j < length; j++)
+sample_rows(const cpl_weights *w, size_t n, const double *cell, const cpl_visit_range *range) {
+  for (int k = 0; k < range->count; k++) {
+    double *sum = range->at + (size_t)(range->index ? range->index[k] : k) * n;
+    const int first = w->start.data[range->first + k], length = w->length.data[range->first + k];
+    for (int j = first; j < first + length; j++)
       for (size_t d = 0; d < n; d++)
-        sum[d] += weight[j] * cell[(size_t)c[j] * n + d];
+        sum[d] += w->list.volume[j] * cell[(size_t)w->list.cell[j] * n + d];
   }
 }
 
-#define STAMPED_WIDTHS(ROW) ROW(1) ROW(3) ROW(4) ROW(6) ROW(7) ROW(10)
+/* ROW with a constant width, so that its innermost loop is unrolled. */
+#define STAMPED(width)                                                                             \
+  case width:                                                                                      \
+    ROW(width);                                                                                    \
+    break;
+#define STAMPED_WIDTHS STAMPED(1) STAMPED(3) STAMPED(4) STAMPED(6) STAMPED(7) STAMPED(10)
 
 int cpl_weights_deposit(cpl_weights *w, int n, const double *value, double *cell) {
-  const double *at;
-  const int *index;
-  PART_TRY(cpl_rendezvous_forward(w->rendezvous, n, value, &at, &index));
-  switch (n) {
-#define ROW(width)                                                                                 \
-  case width:                                                                                      \
-    deposit_rows(w, width, at, index, cell);                                                       \
-    break;
-    STAMPED_WIDTHS(ROW)
+  cpl_visit_range range[2];
+  PART_TRY(cpl_rendezvous_forward(w->rendezvous, n, value, range));
+#define ROW(width) deposit_rows(w, (size_t)(width), &range[k], cell)
+  for (int k = 0; k < 2; k++)
+    switch (n) {
+      STAMPED_WIDTHS
+    default:
+      ROW(n);
+    }
 #undef ROW
-  default:
-    deposit_rows(w, (size_t)n, at, index, cell);
-  }
   return PART_OK;
 }
 
 int cpl_weights_sample(cpl_weights *w, int n, const double *cell, double *value) {
-  double *at;
-  const int *index;
-  PART_TRY(cpl_rendezvous_begin(w->rendezvous, n, w->count, value, &at, &index));
-  switch (n) {
-#define ROW(width)                                                                                 \
-  case width:                                                                                      \
-    sample_rows(w, width, cell, at, index);                                                        \
-    break;
-    STAMPED_WIDTHS(ROW)
+  cpl_visit_range range[2];
+  PART_TRY(cpl_rendezvous_begin(w->rendezvous, n, w->count, value, range));
+#define ROW(width) sample_rows(w, (size_t)(width), cell, &range[k])
+  for (int k = 0; k < 2; k++)
+    switch (n) {
+      STAMPED_WIDTHS
+    default:
+      ROW(n);
+    }
 #undef ROW
-  default:
-    sample_rows(w, (size_t)n, cell, at, index);
-  }
   return cpl_rendezvous_end(w->rendezvous, n, value);
-}
-
-void cpl_weights_counts(const cpl_weights *w, int *particles, int *visits, int *touched) {
-  *particles = w->count;
-  *visits = cpl_rendezvous_sent(w->rendezvous);
-  *touched = w->list.count;
-}
-
-long long cpl_weights_bytes(const cpl_weights *w) {
-  return cpl_rendezvous_bytes(w->rendezvous);
 }

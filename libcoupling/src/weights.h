@@ -24,8 +24,4 @@ int cpl_weights_deposit(cpl_weights *weights, int n, const double *value, double
 /* Collective. q_i = sum_c w_ic q_c; cell[cells][n], value[count][n]. */
 int cpl_weights_sample(cpl_weights *weights, int n, const double *cell, double *value);
 
-/* Of the last locate on this rank: particles, visits sent, touched cells of received visits. */
-void cpl_weights_counts(const cpl_weights *weights, int *particles, int *visits, int *touched);
-long long cpl_weights_bytes(const cpl_weights *weights); /* sent to other ranks so far */
-
 #endif
