@@ -2,9 +2,12 @@
 /* Rigid blocks: members share one velocity and do not turn. The state of a block is the same on
  * every rank bit for bit, because sums over ranks are taken in rank order everywhere.
  *
- * In contact a member counts with the mass of its block: in a translation the whole block has to be
- * accelerated, so m_eff = m M/(m + M), and only with it the damping gives the restitution asked
- * for. */
+ * Mass of a member in the damping of a contact: against a free particle that of its block, which is
+ * what the particle has to push, so that the pair has the restitution asked for. Against what does
+ * not give way (walls, fixed particles, other blocks) its own: there many members touch together,
+ * and with the block's mass n of them would damp sqrt(n) times too much, up to instability. With
+ * its own a block that lands on all its members has the restitution asked for, and one that lands
+ * on n of N has the damping ratio sqrt(n/N) of it. */
 #include "flow.h"
 #include "internal.h"
 

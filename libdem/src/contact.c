@@ -43,8 +43,19 @@ typedef struct loop {
   const double *restrict xr, *restrict vm;
   double *restrict ft;
   const dem_coefs *restrict coefs;
+  const dem_t *mixed; /* blocks or fixed particles are there; NULL: all are free */
   int materials, local;
 } loop;
+
+/* 1/m_eff of the damping; see blocks.c for members of blocks. */
+DEM_ALWAYS_INLINE double inverse_mass(const loop *in, int i, int j) {
+  const double *vi = in->vm + DEM_VM * (size_t)i, *vj = in->vm + DEM_VM * (size_t)j;
+  if (in->mixed != NULL && dem_kind_of(in->mixed, i) != DEM_FREE &&
+      dem_kind_of(in->mixed, j) != DEM_FREE)
+    return (vi[3] > 0.0 ? 1.0 / dem_own_mass(in->mixed, i) : 0.0) +
+           (vj[3] > 0.0 ? 1.0 / dem_own_mass(in->mixed, j) : 0.0);
+  return vi[3] + vj[3];
+}
 
 DEM_ALWAYS_INLINE void one_pair(const loop *in, int i, int j, double d2, const double d[3],
                                 double *spring, law_function *law, int tangential, double dt) {
@@ -54,7 +65,7 @@ DEM_ALWAYS_INLINE void one_pair(const loop *in, int i, int j, double d2, const d
   dem_touch touch;
   double force[3], torque[3] = {0.0, 0.0, 0.0};
   touch.overlap = ri + rj - distance;
-  touch.inverse_mass = vi[3] + vj[3];
+  touch.inverse_mass = inverse_mass(in, i, j);
   for (int c = 0; c < 3; c++)
     touch.n[c] = d[c] * inverse;
   const double arm_i = ri - 0.5 * touch.overlap, arm_j = rj - 0.5 * touch.overlap;
@@ -72,8 +83,13 @@ DEM_ALWAYS_INLINE void one_pair(const loop *in, int i, int j, double d2, const d
 }
 
 DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, law_function *law, int tangential, double dt) {
-  const loop in = {dem_xr(dem), dem_vm(dem),    dem_ft(dem),
-                   dem->coefs,  dem->materials, dem->store->local};
+  const loop in = {.xr = dem_xr(dem),
+                   .vm = dem_vm(dem),
+                   .ft = dem_ft(dem),
+                   .coefs = dem->coefs,
+                   .mixed = dem->plan.all_free ? NULL : dem,
+                   .materials = dem->materials,
+                   .local = dem->store->local};
   const part_pairs *pairs = dem->pairs;
   const int *restrict start = pairs->start, *restrict partner = pairs->partner;
   double *restrict data = pairs->data;

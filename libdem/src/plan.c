@@ -8,7 +8,7 @@
 /* What one material is part of, over all ranks. */
 typedef struct presence {
   double free, fixed, blocks; /* numbers of bodies; fixed particles are one body */
-  double light[2];            /* 1/kg, the two largest inverse masses of movable bodies */
+  double light[2];            /* 1/kg, the two largest inverse masses of movable spheres */
 } presence;
 
 typedef struct scene {
@@ -25,7 +25,7 @@ static void take_light(presence *p, double inverse_mass) {
   }
 }
 
-/* Own particles; blocks are known everywhere and are counted in join_ranks. */
+/* Own particles; blocks are known everywhere and are counted by join_ranks. */
 static void survey_own(const dem_t *dem, scene *s) {
   for (int i = 0; i < dem->store->local; i++) {
     const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3];
@@ -34,10 +34,11 @@ static void survey_own(const dem_t *dem, scene *s) {
     s->r_max = fmax(s->r_max, r);
     if (dem_kind_of(dem, i) == DEM_FIXED) {
       p->fixed = s->fixed = 1.0;
-    } else if (dem_kind_of(dem, i) == DEM_FREE) {
-      p->free++;
-      s->free++;
-      take_light(p, dem_vm(dem)[DEM_VM * (size_t)i + 3]);
+    } else {
+      /* Any number of a block's members may touch at once, so each stands for its own mass. */
+      take_light(p, 1.0 / dem_own_mass(dem, i));
+      p->free += dem_kind_of(dem, i) == DEM_FREE;
+      s->free += dem_kind_of(dem, i) == DEM_FREE;
     }
   }
 }
@@ -62,10 +63,7 @@ static int join_ranks(const dem_t *dem, scene *s, double *all) {
   for (int b = 0; b < dem->blocks; b++) {
     s->blocks += dem->block[b].members > 0;
     for (int m = 0; m < n; m++)
-      if (dem->block_gravity[b * n + m] > 0.0) {
-        s->of[m].blocks++;
-        take_light(&s->of[m], 1.0 / dem->block[b].mass);
-      }
+      s->of[m].blocks += dem->block_gravity[b * n + m] > 0.0;
   }
   return PART_OK;
 }

@@ -112,7 +112,8 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
   dem_touch touch;
   memcpy(touch.n, n, sizeof touch.n);
   touch.overlap = dem_xr(dem)[DEM_XR * (size_t)i + 3] - place->gap;
-  touch.inverse_mass = vm[3];
+  /* Its own mass in a block, too: see blocks.c. */
+  touch.inverse_mass = dem_kind_of(dem, i) == DEM_FREE ? vm[3] : 1.0 / dem_own_mass(dem, i);
   const double arm = place->gap + 0.5 * touch.overlap;
   const double *w = vm + 4;
   touch.v[0] = vm[0] - arm * (w[1] * n[2] - w[2] * n[1]);
