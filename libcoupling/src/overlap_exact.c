@@ -174,17 +174,19 @@ static int touches_bound(const walk *w, int cell, double bound[6]) {
  * their volumes have a closed form. */
 static void visit(walk *w, int cell) {
   cpl_search *s = w->s;
+  double bound[6];
   s->state[cell] = CPL_DONE;
   for (int k = s->cell_face_start[cell]; k < s->cell_face_start[cell + 1]; k++) {
     const int code = s->cell_face[k], f = code < 0 ? ~code : code;
     const int other = cpl_other_cell(s, code);
     if ((other >= 0 && s->state[other] == CPL_DONE) || !may_meet_face(w, f))
       continue;
+    if (other >= 0 && !touches_bound(w, other, bound))
+      continue;
     if (s->is_box[cell] && (other < 0 || s->is_box[other])) {
-      double bound[6];
       if (other < 0)
         w->border = 1;
-      else if (touches_bound(w, other, bound))
+      else
         cpl_search_queue(s, other);
       continue;
     }

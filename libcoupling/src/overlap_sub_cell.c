@@ -35,7 +35,7 @@ static int clip(double t, int low, int high) { /* towards an index, NaN to low *
 /* ---- grids over a box ------------------------------------------------------------------------ */
 
 typedef struct {
-  double lo[3], step[3];
+  double lo[3], step[3], inverse;
 } box_grid;
 
 static double grid_centre(const box_grid *g, int d, int i) {
@@ -48,6 +48,7 @@ static box_grid grid_of(const cpl_search *s, int cell, int n) {
     g.lo[d] = s->bound[cell][d];
     g.step[d] = (s->bound[cell][3 + d] - g.lo[d]) / n;
   }
+  g.inverse = 1.0 / g.step[0];
   return g;
 }
 
@@ -59,12 +60,11 @@ static void reach(const sub_cells *q, const box_grid *g, int d, int *from, int *
 
 /* Indices of row with distance^2 from its line to the centre yz2 whose centres are inside. */
 static int box_row(const sub_cells *q, const box_grid *g, double yz2, int *lo, int *hi) {
-  const double w = sqrt(q->radius2 - yz2), inverse = 1.0 / g->step[0];
-  const double middle = (q->centre[0] - g->lo[0]) * inverse - 0.5;
+  const double w = sqrt(q->radius2 - yz2) * g->inverse;
+  const double middle = (q->centre[0] - g->lo[0]) * g->inverse - 0.5;
 #define INSIDE(i)                                                                                  \
   ((grid_centre(g, 0, i) - q->centre[0]) * (grid_centre(g, 0, i) - q->centre[0]) + yz2 < q->radius2)
-  int a = clip(ceil(middle - w * inverse), 0, q->n);
-  int b = clip(floor(middle + w * inverse), -1, q->n - 1);
+  int a = clip(middle - w + 1.0, 0, q->n), b = clip(middle + w, -1, q->n - 1);
   while (a > 0 && INSIDE(a - 1))
     a--;
   while (a <= b && !INSIDE(a))
@@ -134,32 +134,45 @@ static int grid_volume(const sub_cells *q, int cell, double *volume) {
 
 /* ---- hexahedra ------------------------------------------------------------------------------- */
 
-/* x(xi, eta, zeta) = trilinear in the corners. At fixed eta, zeta it is a + xi b; de and dz are the
- * derivatives along eta and zeta at xi = 0 and, second, what they gain until xi = 1. */
+/* Trilinear in the corners: x(xi, eta, zeta) = q00 + eta a1 + xi (b0 + eta b1) at one zeta, with q
+ * on the four edges along zeta; their derivatives along zeta are the same at every zeta. */
 typedef struct {
-  double a[3], b[3], de[2][3], dz[2][3];
+  double a[2][3], b[2][3];   /* at one zeta: constant, and factor of eta */
+  double da[2][3], db[2][3]; /* derivatives along zeta */
+} hex_slab;
+
+typedef struct { /* at one eta and zeta: x = a + xi b */
+  double a[3], b[3];
 } hex_row;
 
-static void hex_row_set(const cpl_search *s, const int corner[8], int n, int j, int k, hex_row *r) {
-  const double e = (j + 0.5) / n, z = (k + 0.5) / n;
+static void hex_slab_set(const cpl_search *s, const int corner[8], int n, int k, hex_slab *h) {
+  const double zeta = (k + 0.5) / n;
   for (int d = 0; d < 3; d++) {
-    double p[2], pe[2], pz[2];
-    for (int i = 0; i < 2; i++) {
-      const double *x = s->mesh->point + d;
-      const double v00 = x[3 * corner[i]], v10 = x[3 * corner[2 + i]];
-      const double v01 = x[3 * corner[4 + i]], v11 = x[3 * corner[6 + i]];
-      const double below = v00 + e * (v10 - v00), above = v01 + e * (v11 - v01);
-      p[i] = below + z * (above - below);
-      pe[i] = (1.0 - z) * (v10 - v00) + z * (v11 - v01);
-      pz[i] = above - below;
+    double q[4], dq[4];
+    for (int i = 0; i < 4; i++) {
+      const double low = s->mesh->point[3 * corner[i] + d];
+      dq[i] = s->mesh->point[3 * corner[4 + i] + d] - low;
+      q[i] = low + zeta * dq[i];
     }
-    r->a[d] = p[0];
-    r->b[d] = p[1] - p[0];
-    r->de[0][d] = pe[0];
-    r->de[1][d] = pe[1] - pe[0];
-    r->dz[0][d] = pz[0];
-    r->dz[1][d] = pz[1] - pz[0];
+    h->a[0][d] = q[0];
+    h->a[1][d] = q[2] - q[0];
+    h->b[0][d] = q[1] - q[0];
+    h->b[1][d] = (q[3] - q[2]) - (q[1] - q[0]);
+    h->da[0][d] = dq[0];
+    h->da[1][d] = dq[2] - dq[0];
+    h->db[0][d] = dq[1] - dq[0];
+    h->db[1][d] = (dq[3] - dq[2]) - (dq[1] - dq[0]);
   }
+}
+
+static hex_row hex_row_of(const hex_slab *h, int n, int j) {
+  const double eta = (j + 0.5) / n;
+  hex_row r;
+  for (int d = 0; d < 3; d++) {
+    r.a[d] = h->a[0][d] + eta * h->a[1][d];
+    r.b[d] = h->b[0][d] + eta * h->b[1][d];
+  }
+  return r;
 }
 
 static void hex_point(const hex_row *r, int n, int i, double x[3]) {
@@ -187,8 +200,8 @@ static int hex_span(const sub_cells *q, const hex_row *r, int *lo, int *hi) {
   if (!(bb > 0.0) || root2 < -slack)
     return 0;
   const double w = sqrt(root2 > 0.0 ? root2 : 0.0);
-  int a = clip(ceil((bc - w) / bb * q->n - 0.5), 0, q->n);
-  int b = clip(floor((bc + w) / bb * q->n - 0.5), -1, q->n - 1);
+  int a = clip((bc - w) / bb * q->n + 0.5, 0, q->n);
+  int b = clip((bc + w) / bb * q->n - 0.5, -1, q->n - 1);
   while (a > 0 && hex_inside(q, r, a - 1))
     a--;
   while (a <= b && !hex_inside(q, r, a))
@@ -207,10 +220,16 @@ static double triple(const double a[3], const double b[3], const double c[3]) {
          a[2] * (b[0] * c[1] - b[1] * c[0]);
 }
 
-/* sum over i = lo .. hi of the Jacobian at xi_i = (i + 1/2)/n; it is quadratic in xi. */
-static double jacobian_sum(const hex_row *r, int n, int lo, int hi) {
-  const double j0 = triple(r->b, r->de[0], r->dz[0]), j2 = triple(r->b, r->de[1], r->dz[1]);
-  const double j1 = triple(r->b, r->de[0], r->dz[1]) + triple(r->b, r->de[1], r->dz[0]);
+/* Sum over i = lo .. hi of the Jacobian at xi_i = (i + 1/2)/n; it is quadratic in xi. */
+static double jacobian_sum(const hex_slab *h, const hex_row *r, int n, int j, int lo, int hi) {
+  const double eta = (j + 0.5) / n;
+  double z0[3], z1[3]; /* derivative along zeta: z0 + xi z1; along eta: a[1] + xi b[1] */
+  for (int d = 0; d < 3; d++) {
+    z0[d] = h->da[0][d] + eta * h->da[1][d];
+    z1[d] = h->db[0][d] + eta * h->db[1][d];
+  }
+  const double j0 = triple(r->b, h->a[1], z0), j2 = triple(r->b, h->b[1], z1);
+  const double j1 = triple(r->b, h->a[1], z1) + triple(r->b, h->b[1], z0);
   const double count = hi - lo + 1, middle = (0.5 * (lo + hi) + 0.5) / n;
   const double spread = count * (count * count - 1.0) / (12.0 * n * n); /* sum (xi - middle)^2 */
   return count * (j0 + middle * (j1 + middle * j2)) + j2 * spread;
@@ -219,16 +238,18 @@ static double jacobian_sum(const hex_row *r, int n, int lo, int hi) {
 static void hex_volume(const sub_cells *q, int cell, double *volume) {
   const int n = q->n;
   double sum = 0.0;
-  for (int k = 0; k < n; k++)
+  for (int k = 0; k < n; k++) {
+    hex_slab h;
+    hex_slab_set(q->s, q->s->hexes->corner[cell], n, k, &h);
     for (int j = 0; j < n; j++) {
-      hex_row r;
+      const hex_row r = hex_row_of(&h, n, j);
       int lo, hi;
-      hex_row_set(q->s, q->s->hexes->corner[cell], n, j, k, &r);
       if (hex_span(q, &r, &lo, &hi) <= 0)
         continue;
       mark_span(q, j, k, lo, hi);
-      sum += jacobian_sum(&r, n, lo, hi);
+      sum += jacobian_sum(&h, &r, n, j, lo, hi);
     }
+  }
   *volume = sum / ((double)n * n * n);
 }
 
@@ -273,11 +294,12 @@ int cpl_sub_cell_points(cpl_search *s, int n, int cell, double *point) {
     PART_TRY(cpl_hexes_create(s));
   const int hex = !s->is_box[cell] && s->hexes->corner[cell][0] >= 0;
   const box_grid g = grid_of(s, cell, n);
-  for (int k = 0; k < n; k++)
+  for (int k = 0; k < n; k++) {
+    hex_slab h;
+    if (hex)
+      hex_slab_set(s, s->hexes->corner[cell], n, k, &h);
     for (int j = 0; j < n; j++) {
-      hex_row r;
-      if (hex)
-        hex_row_set(s, s->hexes->corner[cell], n, j, k, &r);
+      const hex_row r = hex ? hex_row_of(&h, n, j) : (hex_row){{0.0}, {0.0}};
       for (int i = 0; i < n; i++, point += 3) {
         const int index[3] = {i, j, k};
         if (hex)
@@ -286,6 +308,7 @@ int cpl_sub_cell_points(cpl_search *s, int n, int cell, double *point) {
           point[d] = grid_centre(&g, d, index[d]);
       }
     }
+  }
   return PART_OK;
 }
 

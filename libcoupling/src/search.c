@@ -82,6 +82,18 @@ void cpl_search_mark(const cpl_search *s, const double lo[3], const double bin[3
 
 /* ---- point in cell --------------------------------------------------------------------------- */
 
+/* x sees all triangles of a warped face from the inner side. */
+static int sees_fan(const cpl_search *s, int f, double sign, const double x[3]) {
+  const double *c = s->plane[f].c, u[3] = {c[0] - x[0], c[1] - x[1], c[2] - x[2]};
+  const int count = s->mesh->face_start[f + 1] - s->mesh->face_start[f];
+  for (int i = 0; i < count && s->triangle[f] >= 0; i++) {
+    const double *n = s->triangle_n[s->triangle[f] + i];
+    if (sign * (n[0] * u[0] + n[1] * u[1] + n[2] * u[2]) <= s->tie)
+      return 0;
+  }
+  return s->triangle[f] >= 0;
+}
+
 int cpl_search_surely_in(const cpl_search *s, int cell, const double x[3]) {
   const double *b = s->bound[cell];
   for (int d = 0; d < 3; d++)
@@ -94,7 +106,9 @@ int cpl_search_surely_in(const cpl_search *s, int cell, const double x[3]) {
     const cpl_face_plane *p = &s->plane[code < 0 ? ~code : code];
     const double h =
         p->n[0] * (p->c[0] - x[0]) + p->n[1] * (p->c[1] - x[1]) + p->n[2] * (p->c[2] - x[2]);
-    if ((code < 0 ? -h : h) <= p->thickness + s->tie)
+    const double sign = code < 0 ? -1.0 : 1.0;
+    if (sign * h <= p->thickness + s->tie &&
+        (sign * h < -p->thickness || !sees_fan(s, code < 0 ? ~code : code, sign, x)))
       return 0; /* x does not see this face surely from inside */
   }
   return 1; /* all solid angles are positive, so x is inside, whatever the shape */
@@ -132,7 +146,7 @@ int cpl_search_in(const cpl_search *s, int cell, const double x[3]) {
     if (!(x[d] >= bound[d] - s->tie && x[d] <= bound[3 + d] + s->tie))
       return 0;
   if (s->is_box[cell])
-    return 1;
+    return 1 + cpl_search_surely_in(s, cell, x);
   double sum = 0.0; /* solid angles of the surface: 4 pi inside, 0 outside */
   for (int k = s->cell_face_start[cell]; k < s->cell_face_start[cell + 1]; k++) {
     const int code = s->cell_face[k], f = code < 0 ? ~code : code;
@@ -149,14 +163,14 @@ int cpl_search_in(const cpl_search *s, int cell, const double x[3]) {
       sum += (code < 0 ? -1.0 : 1.0) * cpl_solid_angle(a, b, c);
     }
   }
-  return sum > 6.28318530717958648;
+  return sum > 6.28318530717958648 ? 2 : 0;
 }
 
 int cpl_search_cell(cpl_search *s, const double x[3], int hint) {
   if (s->tensor != NULL)
     return cpl_tensor_cell(s->tensor, x, s->tie);
   if (hint >= 0 && hint < s->mesh->cells) {
-    if (cpl_search_surely_in(s, hint, x))
+    if (cpl_search_surely_in(s, hint, x) || cpl_search_in(s, hint, x) == 2)
       return hint;
     for (int k = s->cell_face_start[hint]; k < s->cell_face_start[hint + 1]; k++) {
       const int other = cpl_other_cell(s, s->cell_face[k]);

@@ -56,7 +56,7 @@ int cpl_search_bin_range(const cpl_search *s, const double lo[3], const double h
 /* x is in cell, farther than the tie distance from all its faces (sufficient, not necessary when
  * the cell is not convex or has warped faces). */
 int cpl_search_surely_in(const cpl_search *s, int cell, const double x[3]);
-/* x is in cell or on its surface. */
+/* 2: x is inside the cell, 1: on its surface (within tie), 0: outside. */
 int cpl_search_in(const cpl_search *s, int cell, const double x[3]);
 
 /* Queue every cell whose bound the sphere touches (border_only: and that has a border face), with
