@@ -191,6 +191,9 @@ int cpl_search_cell(cpl_search *s, const double x[3], int hint) {
     from[d] = (int)fmin(fmax((x[d] - s->lo[d]) * s->bin_inverse[d], 0.0), s->bins[d] - 1);
   const int b = from[0] + s->bins[0] * (from[1] + s->bins[1] * from[2]);
   for (int k = s->bin_start[b]; k < s->bin_start[b + 1]; k++)
+    if (cpl_search_surely_in(s, s->bin_cell[k], x)) /* cheap, and then no other has it */
+      return s->bin_cell[k];
+  for (int k = s->bin_start[b]; k < s->bin_start[b + 1]; k++)
     if (cpl_search_in(s, s->bin_cell[k], x))
       return s->bin_cell[k];
   return -1;
