@@ -100,6 +100,11 @@ class Case:
             raise RuntimeError('%s failed in %s:\n%s' % (' '.join(command), self.path, output[-3000:]))
         return status, output
 
+    def last(self, name):
+        """Internal field of the last time written."""
+        times = [d for d in os.listdir(self.path) if re.fullmatch(r'[0-9.e+-]+', d)]
+        return self.read(max(times, key=float) + '/' + name)
+
     def read(self, name):
         """Internal field (ascii) as an array [n] or [n][3]; name: 'time/field'."""
         with open(os.path.join(self.path, name)) as source:
@@ -117,7 +122,8 @@ class Case:
 def flow_case(path, *, lo, hi, cells, kinds, regions=(), model='A', nu=1e-6, div='Gauss linear',
               dt=1e-3, end=1.0, body=(0, 0, 0), correctors=3, u_walls='slip', u0=(0, 0, 0), outer=1,
               ddt='Euler', laplacian='Gauss linear corrected', outlet=(), box=True, u_patch=None,
-              tolerance=1e-12, mesh=None, nonorth=0, noise=0.0):
+              tolerance=1e-12, mesh=None, nonorth=0, noise=0.0,
+              predictor=False, closure=False):
     """A case for prescribedSolidsFoam (and, with other dictionaries added, for cfdDemFoam).
 
     mesh: options for tests/meshes/makeMesh.py, instead of blockMesh; kinds says the same sides."""
@@ -133,9 +139,11 @@ def flow_case(path, *, lo, hi, cells, kinds, regions=(), model='A', nu=1e-6, div
         'laplacianSchemes': {'default': laplacian}, 'interpolationSchemes': {'default': 'linear'},
         'snGradSchemes': {'default': laplacian.replace('Gauss linear ', '')}})
     solver = {'solver': 'PCG', 'preconditioner': 'DIC', 'tolerance': tolerance, 'relTol': 0}
+    transport = {'solver': 'PBiCGStab', 'preconditioner': 'DILU', 'tolerance': tolerance, 'relTol': 0}
     case.write('system/fvSolution', {
-        'solvers': {'p_rgh': solver, 'p_rghFinal': solver},
-        'PIMPLE': {'nOuterCorrectors': outer, 'nCorrectors': correctors,
+        'solvers': {'p_rgh': solver, 'p_rghFinal': solver, 'U': transport, 'UFinal': transport},
+        'PIMPLE': {'momentumPredictor': predictor, 'momentumClosure': closure,
+                   'nOuterCorrectors': outer, 'nCorrectors': correctors,
                    'nNonOrthogonalCorrectors': nonorth, 'pRefCell': 0, 'pRefValue': 0}})
     case.write('constant/transportProperties', {'nu': '[0 2 -1 0 0 0 0] %r' % nu, 'model': model,
                                                'initialNoise': noise})
