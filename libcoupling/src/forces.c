@@ -4,8 +4,10 @@
  *   F = Su - Sp v = beta (u - v) - rho_f V g [- V grad p] [+ V div tau],   u = U/eps
  *
  * beta from the drag law; model B: beta/eps, which contains the force of the pressure gradient that
- * drag itself causes (Markauskas et al. 2017, eq. 23; Feng and Yu 2004), so that both models have
- * the same steady states. grad p without its hydrostatic part: that is -rho_f V g.
+ * drag itself causes (Markauskas et al. 2017, eq. 23; Feng and Yu 2004). That gradient belongs to the
+ * cells, so 1/eps is sum_c w_ic/eps_c and not one over the sampled eps: only then both models have
+ * the same steady state where a sphere lies in cells of different eps. grad p without its
+ * hydrostatic part: that is -rho_f V g.
  *
  * One-way coupling (Markauskas et al., section 6) is the same here: the flow has eps = 1 and no
  * source, but the particle's drag takes the void fraction that cpl_void_fraction found. The caller
@@ -32,7 +34,7 @@ static int check_cells(const cpl_t *cpl, const cpl_cells *cells) {
   return PART_OK;
 }
 
-/* One row per cell: eps, U, then -grad p and div tau where used. */
+/* One row per cell: eps, U, then -grad p and div tau where used; model B: 1/eps last. */
 static void gather_cells(cpl_t *cpl, const cpl_cells *cells, size_t n) {
   const int pressure = uses_pressure(cpl), stress = cpl->params.viscous_stress;
   for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
@@ -44,18 +46,24 @@ static void gather_cells(cpl_t *cpl, const cpl_cells *cells, size_t n) {
       *row++ = -cells->pressure_gradient[3 * c + d];
     for (size_t d = 0; stress && d < 3; d++)
       *row++ = cells->stress_divergence[3 * c + d];
+    if (cpl->params.model == CPL_MODEL_B)
+      *row++ = 1.0 / cells->eps[c];
   }
 }
 
 static void scatter_particles(cpl_t *cpl, size_t n) {
+  const int model_b = cpl->params.model == CPL_MODEL_B;
+  const size_t last = n - (model_b ? 1 : 0);
   for (size_t i = 0; i < (size_t)cpl->count; i++) {
     const double *row = cpl->particle_work.data + i * n;
     cpl->eps.data[i] = row[0];
     memcpy(cpl->superficial.data + 3 * i, row + 1, 3 * sizeof *row);
+    if (model_b)
+      cpl->inverse_eps.data[i] = row[last];
     double *constant = cpl->constant.data + 3 * i;
     for (size_t d = 0; d < 3; d++) {
       constant[d] = 0.0;
-      for (size_t k = 4 + d; k < n; k += 3)
+      for (size_t k = 4 + d; k < last; k += 3)
         constant[d] += row[k];
       constant[d] *= cpl->volume.data[i];
     }
@@ -63,7 +71,8 @@ static void scatter_particles(cpl_t *cpl, size_t n) {
 }
 
 static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_cells *cells) {
-  const int n = 4 + 3 * (uses_pressure(cpl) != 0) + 3 * (cpl->params.viscous_stress != 0);
+  const int n = 4 + 3 * (uses_pressure(cpl) != 0) + 3 * (cpl->params.viscous_stress != 0) +
+                (cpl->params.model == CPL_MODEL_B);
   const size_t count = (size_t)particles->count;
   int status = cpl_check_order(cpl, particles, "cpl_sample_fluid");
   if (status == PART_OK)
@@ -78,6 +87,8 @@ static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_ce
     status = CPL_RESERVE(cpl->superficial, 3 * count);
   if (status == PART_OK)
     status = CPL_RESERVE(cpl->constant, 3 * count);
+  if (status == PART_OK && cpl->params.model == CPL_MODEL_B)
+    status = CPL_RESERVE(cpl->inverse_eps, count);
   PART_TRY(cpl_agree(cpl, status));
   gather_cells(cpl, cells, (size_t)n);
   PART_TRY(cpl_weights_sample(cpl->weights, n, cpl->cell_work.data, cpl->particle_work.data));
@@ -142,7 +153,7 @@ static inline __attribute__((always_inline)) int force_loop(cpl_t *cpl, cpl_part
     }
     double beta = law(sqrt(slip2), 2.0 * cpl->sphere.data[4 * (size_t)i + 3], eps, rho, mu);
     if (model_b)
-      beta /= eps;
+      beta *= cpl->inverse_eps.data[i];
     if (!isfinite(beta))
       return numeric(cpl, i, "the drag coefficient", beta);
     double *su = p->fluid_su + (size_t)i * (size_t)p->fluid_su_stride;

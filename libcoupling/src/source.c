@@ -7,7 +7,10 @@
  *   D_c = sum_i w_ic b_i / V_c,     G_c = sum_i w_ic (b_i U_i - J_i/dt) / V_c.
  * When U has not changed since it was sampled this is -J_i/dt exactly. When it has, the drag grows
  * by b_i dU, what a particle takes that relaxes towards the new velocity: never more than m_i du.
- * The difference between what the fluid then really gave and J_i is the particle's kick. */
+ * The difference between what the fluid then really gave and J_i is the particle's kick.
+ *
+ * Model B: the momentum of a sphere goes to its cells as w_ic/eps_c, see forces.c; with
+ * e_i = sum_c w_ic/eps_c, D_c = sum_i w_ic b_i/(e_i eps_c V_c), and G_c likewise. */
 #include <math.h>
 #include <string.h>
 #include "coupling_type.h"
@@ -65,7 +68,15 @@ static double relaxed(double x) {
   return x > 0.0 ? -expm1(-x) / x : 1.0;
 }
 
+/* sum_c w_ic/eps_c where the particles are now. */
+static int sample_inverse_eps(cpl_t *cpl, const cpl_cells *cells) {
+  for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++)
+    cpl->cell_work.data[c] = 1.0 / cells->eps[c];
+  return cpl_weights_sample(cpl->weights, 1, cpl->cell_work.data, cpl->inverse_eps.data);
+}
+
 static int implicit_parts(cpl_t *cpl, double dt) {
+  const int model_b = cpl->params.model == CPL_MODEL_B;
   for (int i = 0; i < cpl->count; i++) {
     const double *force = cpl->particle_work.data + (size_t)i * CPL_FORCE_WIDTH;
     double *row = cpl->particle_work2.data + 4 * (size_t)i; /* impulse, 1/m -> b, G */
@@ -81,17 +92,20 @@ static int implicit_parts(cpl_t *cpl, double dt) {
                        "coupling: the momentum source of particle %lld is not finite (impulse (%g "
                        "%g %g) N s, drag coefficient %g kg/s)",
                        (long long)cpl->id.data[i], row[0], row[1], row[2], sp);
-    cpl->implicit.data[i] = b;
-    row[0] = b;
-    memcpy(row + 1, g, sizeof g);
+    const double part = model_b ? 1.0 / cpl->inverse_eps.data[i] : 1.0;
+    cpl->implicit.data[i] = b * part;
+    row[0] = b * part;
+    for (int d = 0; d < 3; d++)
+      row[1 + d] = g[d] * part;
   }
   return PART_OK;
 }
 
 static void write_source(cpl_t *cpl, cpl_cells *cells) {
+  const int model_b = cpl->params.model == CPL_MODEL_B;
   for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
     const double *row = cpl->cell_work.data + 4 * c;
-    const double volume = cpl->mesh.volume[c];
+    const double volume = cpl->mesh.volume[c] * (model_b ? cells->eps[c] : 1.0);
     cpl->share.data[c] = row[0];
     cells->drag_coefficient[c] = row[0] / volume;
     for (size_t d = 0; d < 3; d++)
@@ -103,6 +117,8 @@ static int check_source(const cpl_t *cpl, const cpl_cells *cells, double dt) {
   if (!cells->drag_coefficient || !cells->drag_explicit)
     return part_fail(PART_ERR_ARGUMENT,
                      "cpl_momentum_source: needs drag_coefficient and drag_explicit of the cells");
+  if (cpl->params.two_way && cpl->params.model == CPL_MODEL_B && !cells->eps)
+    return part_fail(PART_ERR_ARGUMENT, "cpl_momentum_source: model B needs eps of the cells");
   if (!isfinite(dt) || dt <= 0.0)
     return part_fail(PART_ERR_RANGE, "cpl_momentum_source: dt = %g s; it must be > 0", dt);
   if (cpl->params.two_way && cpl->stamp == 0)
@@ -126,6 +142,11 @@ static int momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells
   int status = CPL_RESERVE(cpl->implicit, cpl->count);
   if (status == PART_OK)
     status = CPL_RESERVE(cpl->cell_work, 4 * n);
+  if (status == PART_OK && cpl->params.model == CPL_MODEL_B)
+    status = CPL_RESERVE(cpl->inverse_eps, cpl->count);
+  PART_TRY(cpl_agree(cpl, status));
+  if (cpl->params.model == CPL_MODEL_B)
+    PART_TRY(sample_inverse_eps(cpl, cells));
   if (status == PART_OK)
     status = implicit_parts(cpl, dt);
   PART_TRY(cpl_agree(cpl, status));

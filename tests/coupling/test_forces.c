@@ -78,7 +78,7 @@ static void test_constant_parts(void **state) {
   constant_parts(CPL_MODEL_B, 1, 0, 1);
 }
 
-/* Drag from what was sampled: Su - Sp v = beta (u - v) + buoyancy, u = U/eps; model B beta/eps.
+/* Drag from what was sampled: Su - Sp v = beta (u - v) + buoyancy, u = U/eps; model B beta sum_c w_ic/eps_c.
  * One-way or two-way: the same force. */
 static void test_drag_of_sampled(void **state) {
   (void)state;
@@ -96,6 +96,12 @@ static void test_drag_of_sampled(void **state) {
         scene_fluid(&s);
         force(&s);
         const double *eps = cpl_sampled_eps(s.cpl), *superficial = cpl_sampled_superficial(s.cpl);
+        double *cell = calloc((size_t)s.mesh.view.cells, sizeof *cell);
+        double *inverse = calloc((size_t)s.view.count + 1, sizeof *inverse);
+        assert_true(cell && inverse);
+        for (int c = 0; c < s.mesh.view.cells; c++)
+          cell[c] = 1.0 / s.eps[c];
+        assert_int_equal(cpl_sample(s.cpl, 1, cell, inverse), PART_OK);
         for (int i = 0; i < s.view.count; i++) {
           const double *row = s.row + i * ROW_WIDTH;
           double slip[3], speed = 0.0;
@@ -104,8 +110,8 @@ static void test_drag_of_sampled(void **state) {
             speed += slip[d] * slip[d];
           }
           const double beta =
-              cpl_drag_function(law)(sqrt(speed), 2.0 * row[ROW_R], eps[i], 1000.0, 1e-3) /
-              (model == CPL_MODEL_B ? eps[i] : 1.0);
+              cpl_drag_function(law)(sqrt(speed), 2.0 * row[ROW_R], eps[i], 1000.0, 1e-3) *
+              (model == CPL_MODEL_B ? inverse[i] : 1.0);
           assert_near(row[ROW_SP] / beta, 1.0, 1e-13);
           for (int d = 0; d < 3; d++) {
             const double f = row[ROW_SU + d] - row[ROW_SP] * row[ROW_V + d];
@@ -114,6 +120,8 @@ static void test_drag_of_sampled(void **state) {
                         1e-13 * (beta * (1.0 + fabs(slip[d])) + fabs(buoyancy)));
           }
         }
+        free(cell);
+        free(inverse);
         scene_free(&s);
       }
 }
