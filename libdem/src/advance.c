@@ -1,14 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* dem_advance: as many substeps as contact needs. */
+#include <string.h>
 #include "internal.h"
 
-/* Does any own particle feel a fluid? Also clears the impulses of the last advance. */
+/* Does any own particle feel a fluid? Also clears the impulses of the last advance and keeps the
+ * velocities it begins with. */
 static int begin_fluid(dem_t *dem) {
   double *fluid = dem_fluid(dem);
+  double *before = part_record_double(dem->store, DEM_RECORD_BEFORE);
   int any = 0;
   for (int i = 0; i < dem->store->local; i++) {
     double *f = fluid + DEM_FLUID * (size_t)i;
     f[4] = f[5] = f[6] = 0.0;
+    memcpy(before + 4 * (size_t)i, dem_vm(dem) + DEM_VM * (size_t)i, 3 * sizeof *before);
     any |= f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0 || f[3] != 0.0;
   }
   return any || !dem->params.skip;

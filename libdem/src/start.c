@@ -22,7 +22,9 @@ static int fill_store(dem_t *dem) {
     meta[0] = k;
     meta[1] = seed->kind;
     meta[2] = seed->block;
-    v[3] = seed->kind == DEM_FREE ? 1.0 / dem_own_mass(dem, at) : 0.0;
+    const double inverse_mass = 1.0 / dem_own_mass(dem, at);
+    v[3] = seed->kind == DEM_FREE ? inverse_mass : 0.0;
+    dem_fluid(dem)[DEM_FLUID * (size_t)at + 7] = inverse_mass;
   }
   return PART_OK;
 }

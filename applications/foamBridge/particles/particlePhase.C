@@ -6,6 +6,7 @@
 #include "foamParams.H"
 #include "particleCase.H"
 #include "particleCloud.H"
+#include "mathematicalConstants.H"
 #include "mixtureFields.H"
 
 namespace Foam
@@ -47,8 +48,9 @@ static cpl_particles particleView(part_store* s)
   v.radius_stride = part_field_stride(s, DEM_FIELD_RADIUS);
   v.velocity = part_field_double(s, DEM_FIELD_VELOCITY);
   v.velocity_stride = part_field_stride(s, DEM_FIELD_VELOCITY);
-  v.inverse_mass = part_field_double(s, DEM_FIELD_INVERSE_MASS);
-  v.inverse_mass_stride = part_field_stride(s, DEM_FIELD_INVERSE_MASS);
+  // Of the sphere itself, in a block too: so the response of all members together stays bounded
+  v.inverse_mass = part_field_double(s, DEM_FIELD_SPHERE_INVERSE_MASS);
+  v.inverse_mass_stride = part_field_stride(s, DEM_FIELD_SPHERE_INVERSE_MASS);
   v.id = part_field_int64(s, DEM_FIELD_ID);
   v.id_stride = part_field_stride(s, DEM_FIELD_ID);
   v.kind = part_field_int64(s, DEM_FIELD_KIND);
@@ -177,7 +179,6 @@ void particlePhase::begin(const volVectorField& U, const volVectorField& stress)
 
 void particlePhase::advance(scalar dt, volScalarField& eps, volVectorField& vp, volVectorField& ap)
 {
-  const vectorField before(vp.primitiveField());
   checkStatus(dem_advance(dem_, dt, &substeps_), demDict_);
   if (still_)
   {
@@ -186,10 +187,32 @@ void particlePhase::advance(scalar dt, volScalarField& eps, volVectorField& vp, 
   }
   moved_ = true;
   deposit(eps, vp);
-  forAll(ap, celli)
+  if (params_.two_way) depositAcceleration(dt, ap);
+}
+
+/* Mean acceleration of the solids over the step, weighted by volume like their velocity. */
+void particlePhase::depositAcceleration(scalar dt, volVectorField& ap)
+{
+  part_store* s = dem_store(dem_);
+  const double* before = part_field_double(s, DEM_FIELD_VELOCITY_BEFORE);
+  const int stride = part_field_stride(s, DEM_FIELD_VELOCITY_BEFORE);
+  List<double> change(3*view_.count);
+  for (int i = 0; i < view_.count; ++i)
   {
-    const bool solid = before[celli] != vector::zero && vp[celli] != vector::zero;
-    ap[celli] = solid ? (vp[celli] - before[celli])/dt : vector(Zero);
+    const double r = view_.radius[i*view_.radius_stride];
+    const double factor = 4.0/3.0*constant::mathematical::pi*r*r*r/dt;
+    for (int d = 0; d < 3; ++d)
+    {
+      change[3*i + d] = factor*(view_.velocity[i*view_.velocity_stride + d] - before[i*stride + d]);
+    }
+  }
+  vectorField& cells = ap.primitiveFieldRef();
+  cells = Zero;
+  checkStatus(cpl_deposit(cpl_, 3, change.cdata(), data(cells)), "particlePhase::advance");
+  forAll(cells, celli)
+  {
+    const scalar solid = mesh_.V()[celli]*(1 - epsParticles_[celli]);
+    cells[celli] = solid > SMALL*mesh_.V()[celli] ? cells[celli]/solid : vector(Zero);
   }
   ap.correctBoundaryConditions();
 }
