@@ -77,6 +77,7 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
   view_(),
   generation_(-1),
   moved_(true),
+  deposited_(false),
   still_(false),
   restarted_(false),
   volumeError_(0),
@@ -128,6 +129,7 @@ void particlePhase::locate()
   view_ = particleView(dem_store(dem_));
   if (!moved_ && generation_ == dem_generation(dem_)) return;
   checkStatus(cpl_locate(cpl_, &view_), "particlePhase::locate");
+  deposited_ = false;
   generation_ = dem_generation(dem_);
   moved_ = false;
 }
@@ -139,6 +141,7 @@ void particlePhase::deposit(volScalarField& eps, volVectorField& vp)
   cells.eps = epsParticles_.primitiveFieldRef().data();
   cells.solid_velocity = data(vp.primitiveFieldRef());
   checkStatus(cpl_void_fraction(cpl_, &view_, &cells, &volumeError_), couplingDict_);
+  deposited_ = true;
   epsParticles_.correctBoundaryConditions();
   if (params_.two_way)
   {
@@ -180,12 +183,12 @@ void particlePhase::begin(const volVectorField& U, const volVectorField& stress)
 void particlePhase::advance(scalar dt, volScalarField& eps, volVectorField& vp, volVectorField& ap)
 {
   checkStatus(dem_advance(dem_, dt, &substeps_), demDict_);
-  if (still_)
+  if (still_ && deposited_)
   {
     view_ = particleView(dem_store(dem_));
     return;
   }
-  moved_ = true;
+  moved_ = !still_; // those that stand still come here after a write or restart, in a new order
   deposit(eps, vp);
   if (params_.two_way) depositAcceleration(dt, ap);
 }
