@@ -3,6 +3,7 @@
 
 #include "fixedValueFvPatchFields.H"
 #include "polyPatch.H"
+#include "wallFvPatch.H"
 #include "zeroGradientFvPatchFields.H"
 
 namespace Foam
@@ -17,6 +18,22 @@ wordList extrapolatedPatchTypes(const fvMesh& mesh)
     if (polyPatch::constraintType(type)) types[patchi] = type;
   }
   return types;
+}
+
+tmp<vectorField> mixtureBoundaryValue
+(
+  const fvPatchVectorField& U,
+  const scalarField& eps,
+  const vectorField& vp
+)
+{
+  vectorField slip(vp - U);
+  if (isA<wallFvPatch>(U.patch()))
+  {
+    const vectorField n(U.patch().nf());
+    slip -= n*(n & slip);
+  }
+  return U + (1 - eps)*slip;
 }
 
 tmp<volVectorField> mixtureField
@@ -53,9 +70,10 @@ tmp<volVectorField> mixtureField
   {
     if (types[patchi] == fixedValueFvPatchVectorField::typeName)
     {
-      const scalarField& e = eps.boundaryField()[patchi];
-      j.boundaryFieldRef()[patchi] ==
-        e*U.boundaryField()[patchi] + (1 - e)*vp.boundaryField()[patchi];
+      j.boundaryFieldRef()[patchi] == mixtureBoundaryValue
+      (
+        U.boundaryField()[patchi], eps.boundaryField()[patchi], vp.boundaryField()[patchi]
+      );
     }
   }
   j.correctBoundaryConditions();

@@ -193,8 +193,10 @@ void mixtureScheme::mixtureBoundary(const volVectorField& U, volVectorField& j) 
   {
     if (jb[patchi].fixesValue() && !jb[patchi].coupled())
     {
-      const scalarField& e = eps_.boundaryField()[patchi];
-      jb[patchi] == e*U.boundaryField()[patchi] + (1 - e)*vp_.boundaryField()[patchi];
+      jb[patchi] == mixtureBoundaryValue
+      (
+        U.boundaryField()[patchi], eps_.boundaryField()[patchi], vp_.boundaryField()[patchi]
+      );
     }
   }
 }
