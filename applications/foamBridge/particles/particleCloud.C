@@ -121,8 +121,16 @@ void writeParticleCloud(const fvMesh& mesh, part_store* store, MPI_Comm comm)
     Info<< "Cloud: " << outside << " particles have their centre outside the mesh" << endl;
   }
 
+  // origId is the particle's own number, and no counter is written that a restart would not know
   passiveParticleCloud cloud(mesh, "particles", IDLList<passiveParticle>());
-  forAll(rows, i) cloud.addParticle(new passiveParticle(mesh, position(rows[i]), cells[i]));
+  forAll(rows, i)
+  {
+    autoPtr<passiveParticle> p(new passiveParticle(mesh, position(rows[i]), cells[i]));
+    p->origId() = label(rows[i].id);
+    p->origProc() = 0;
+    cloud.addParticle(p.release());
+  }
+  particle::particleCount_ = 0;
 
   auto io = [&](const word& name) { return cloud.fieldIOobject(name, IOobject::NO_READ); };
   IOField<vector> U(io("U"), rows.size()), omega(io("omega"), rows.size());

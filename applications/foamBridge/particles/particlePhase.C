@@ -278,6 +278,7 @@ void particlePhase::write()
     dem_write(dem_, file.c_str(), (folder/"particles.vtkhdf.series").c_str()), "particlePhase::write"
   );
   moved_ = true; // the order is new
+  dem_set_time(dem_, mesh_.time().value()); // that of a restart
   writeParticleCloud(mesh_, dem_store(dem_), particleCommunicator());
 }
 

@@ -18,6 +18,7 @@
 #include "operatorSelfTest.H"
 #include "particlePhase.H"
 #include "progress.H"
+#include "restartTime.H"
 
 int main(int argc, char* argv[])
 {
@@ -46,6 +47,7 @@ int main(int argc, char* argv[])
     #include "readTimeControls.H"
     #include "mixtureCourant.H"
     #include "setDeltaT.H"
+    roundDeltaT(runTime);
     ++runTime;
     Info<< "Time = " << runTime.timeName() << ", deltaT = " << runTime.deltaTValue() << nl;
     const scalar dt = runTime.deltaTValue();
@@ -76,7 +78,11 @@ int main(int argc, char* argv[])
 
     solids.report(Info);
     runTime.write();
-    if (runTime.writeTime()) solids.write();
+    if (runTime.writeTime())
+    {
+      restartTime(runTime);
+      solids.write();
+    }
     pace.report(Info, solids.particleSteps());
   }
   solids.reportTimers(Info);
