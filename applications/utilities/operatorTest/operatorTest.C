@@ -7,10 +7,11 @@
 
 using namespace Foam;
 
-int main(int argc, char* argv[]) {
-  argList::addNote("Check, on the mesh of this case, the OpenFOAM operators that the solvers call.\n"
-                   "One line per check: status, name, relative error, cells or faces checked/all, reason.\n"
-                   "Exit status 1 if one that must be exact is not.");
+int main(int argc, char *argv[]) {
+  argList::addNote(
+      "Check, on the mesh of this case, the OpenFOAM operators that the solvers call.\n"
+      "One line per check: status, name, relative error, cells or faces checked/all, reason.\n"
+      "Exit status 1 if one that must be exact is not.");
   argList::addOption("gradSchemes", "strings",
                      "also print the error of these gradient schemes for a linear field, "
                      "for example '(\"leastSquares\" \"Gauss pointLinear\")'");
@@ -22,8 +23,9 @@ int main(int argc, char* argv[]) {
   const bool good = operatorSelfTest(mesh, Info());
   if (args.found("gradSchemes")) {
     const List<string> schemes(args.get<List<string>>("gradSchemes"));
-    for (const string& scheme : schemes) {
-      Info << "gradient\t" << scheme.c_str() << token::TAB << linearGradientError(mesh, scheme) << endl;
+    for (const string &scheme : schemes) {
+      Info << "gradient\t" << scheme.c_str() << token::TAB << linearGradientError(mesh, scheme)
+           << endl;
     }
   }
   Info << (good ? "operatorTest: passed" : "operatorTest: FAILED") << endl;
