@@ -67,18 +67,22 @@ mixtureScheme::mixtureScheme
   rf_(faceScalar(mesh, "rEpsf", dimless)),
   pressureFactor_(faceScalar(mesh, "pressureFactor", dimless)),
   Kf_(faceScalar(mesh, "Kf", dimless/dimTime)),
-  dragExplicit_(faceScalar(mesh, "dragExplicit", dimVolume/sqr(dimTime))),
-  inertia_(faceScalar(mesh, "solidInertia", dimVolume/sqr(dimTime))),
+  dragExplicit_(faceVector(mesh, "dragExplicit", dimAcceleration)),
+  inertia_(faceVector(mesh, "solidInertia", dimAcceleration)),
   vpf_(faceVector(mesh, "vpf", dimVelocity)),
   m_(faceVector(mesh, "porosityNormal", dimless)),
   jump_(faceScalar(mesh, "BernoulliJump", dimLength)),
   snGradREps_(faceScalar(mesh, "snGradREps", dimless/dimLength)),
   armOwn_(faceVector(mesh, "armOwn", dimLength)),
   armNei_(faceVector(mesh, "armNei", dimLength)),
+  along_(faceVector(mesh, "along", dimArea)),
+  skew_(faceVector(mesh, "skew", dimArea)),
+  orthogonal_(true),
   solids_(false),
   uniform_(true)
 {
   makeArms();
+  makeSkew();
 }
 
 /* On planar faces (1/V) sum (x_f - x_P) S is the unit tensor; on warped ones it is not, and the arms
@@ -159,17 +163,17 @@ void mixtureScheme::update()
   {
     pressureFactor_ = 1/rf_;
     Kf_ = path(volScalarField(D_*rEps))/rf_;
-    dragExplicit_ = (path(volVectorField((D_*solids + G_)*rEps)) & mesh_.Sf())/rf_;
-    inertia_ = (path(volVectorField((1 - eps_)*ap_*rEps)) & mesh_.Sf())/rf_;
-    jump_ = fvc::snGrad(0.5*sqr(rEps))*magSf/rf_;
+    dragExplicit_ = path(volVectorField((D_*solids + G_)*rEps))/rf_;
+    inertia_ = path(volVectorField((1 - eps_)*ap_*rEps))/rf_;
+    jump_ = difference(0.5*sqr(rEps))*magSf/rf_;
   }
   else
   {
     pressureFactor_ = dimensionedScalar("one", dimless, 1);
     Kf_ = path(D_);
-    dragExplicit_ = path(volVectorField(D_*solids + G_)) & mesh_.Sf();
-    inertia_ = path(volVectorField((1 - eps_)*ap_)) & mesh_.Sf();
-    jump_ = snGradREps_*magSf;
+    dragExplicit_ = path(volVectorField(D_*solids + G_));
+    inertia_ = path(volVectorField((1 - eps_)*ap_));
+    jump_ = difference(rEps)*magSf;
   }
 
   if (uniform_)
@@ -177,8 +181,7 @@ void mixtureScheme::update()
     m_ = dimensionedVector(dimless, Zero);
     return;
   }
-  m_ = fvc::interpolate(fvc::grad(rEps, "grad(rEps)"))/dimensionedScalar("unit", dimless/dimLength, 1);
-  m_ /= mag(m_) + dimensionedScalar("small", dimless, ROOTVSMALL);
+  makeNormal(rEps);
 }
 
 tmp<volVectorField> mixtureScheme::interstitial(const volVectorField& j) const
@@ -355,17 +358,16 @@ tmp<volVectorField> mixtureScheme::transposeStress(const volScalarField& nu, con
   );
 }
 
-tmp<surfaceScalarField> mixtureScheme::faceForce(const volVectorField& j) const
+tmp<surfaceScalarField> mixtureScheme::ownForce(const volVectorField& j) const
 {
   const surfaceVectorField W(fvc::interpolate(j) - vpf_);
-  return tmp<surfaceScalarField>
-  (
-    new surfaceScalarField
-    (
-      "faceForce",
-      dragExplicit_ + inertia_ + pressureFactor_*(body_ & mesh_.Sf()) - sqr(W & m_)*jump_
-    )
-  );
+  return (inertia_ & along_) + pressureFactor_*(body_ & along_) - sqr(W & m_)*jump_;
+}
+
+// With -Kf phi this is drag along the line of cell centres only.
+tmp<surfaceScalarField> mixtureScheme::dragForce(const volVectorField& j) const
+{
+  return (dragExplicit_ & along_) + Kf_*(skew_ & fvc::interpolate(j));
 }
 
 tmp<volVectorField> mixtureScheme::reconstruct(const surfaceScalarField& flux) const
@@ -416,7 +418,7 @@ void mixtureScheme::reaction
 {
   const surfaceScalarField lacking
   (
-    (1 - pressureFactor_)*pressureForce - (dragExplicit_ - Kf_*phi)
+    (1 - pressureFactor_)*pressureForce - ((dragExplicit_ & mesh_.Sf()) - Kf_*phi)
   );
   const volVectorField known(D_*(1 - eps_)*vp_ + G_);
   const volScalarField ratio((1 - eps_)/eps_);

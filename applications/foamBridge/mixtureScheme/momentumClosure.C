@@ -32,7 +32,7 @@ tmp<volVectorField> mixtureScheme::momentumClosure
   const surfaceScalarField Wm(W & m_);
   const surfaceScalarField phiW(phi - (vpf_ & mesh_.Sf()));
   const surfaceScalarField bern(sqr(Wm)*jump_);
-  const surfaceScalarField dr(snGradREps_/mesh_.nonOrthDeltaCoeffs());
+  const surfaceScalarField dr(difference(1/eps_)/mesh_.nonOrthDeltaCoeffs());
 
   vectorField& closure = tclosure.ref().primitiveFieldRef();
   const vectorField& C = mesh_.cellCentres();

@@ -4,9 +4,10 @@
  * transportProperties: nu, model (A or B), initialNoise (m/s, a random velocity added to every cell).
  * U of the start time is read as the mixture volume flux j. Each step prints a line "step":
  *   t; mean of j; largest |j - mean|; largest |j|; range of p_rgh;
- *   budget: momentum (per fluid density, m4/s) since the start: gained by the fluid; given to it by
- *   pressure and body force; taken from it by the particles (drag, pressure); and what the
- *   discretisation made of nothing, gained - given + taken. Shear at walls is not in it. */
+ *   budget: momentum (per fluid density, m4/s) since the start: gained by the fluid; given by the body
+ *   force; pressed, by the pressure on fluid and particles (nothing in a periodic box, or the
+ *   discretisation made it); taken by the particles (drag, pressure); and what the discretisation
+ *   made of nothing, gained - given - pressed + taken. Shear at walls is not in it. */
 #include "fvCFD.H"
 #include "fixedFluxPressureFvPatchScalarField.H"
 #include "Random.H"
@@ -59,6 +60,12 @@ int main(int argc, char* argv[])
   const mixtureScheme::modelType model =
     transport.getOrDefault<word>("model", "A") == "B" ? mixtureScheme::modelB : mixtureScheme::modelA;
 
+  const bool particleStress = false; // the solids feel pressure and drag only
+  volVectorField stress
+  (
+    workField("stressDivergence"), mesh, dimensionedVector(dimAcceleration, Zero)
+  );
+
   prescribedSolids solids(mesh);
   mixtureScheme scheme(mesh, model, eps, vp, ap, D, G, bodyAcceleration);
   auto updateSolids = [&]()
@@ -76,7 +83,7 @@ int main(int argc, char* argv[])
   U = scheme.interstitial(j);
   const scalar volume = gSum(mesh.V());
   const scalarField& V = mesh.V();
-  vector gained(Zero), given(Zero), taken(Zero);
+  vector gained(Zero), given(Zero), pressed(Zero), taken(Zero);
   vectorField drag(mesh.nCells()), ofVolume(mesh.nCells());
 
   while (runTime.loop())
@@ -93,13 +100,11 @@ int main(int argc, char* argv[])
     p = p_rgh + (g & mesh.C());
 
     const scalar dt = runTime.deltaTValue();
-    const surfaceScalarField force
-    (
-      pressureForce + scheme.pressureFactor()*(bodyAcceleration & mesh.Sf())
-    );
+    const surfaceScalarField body(scheme.pressureFactor()*(bodyAcceleration & mesh.Sf()));
     scheme.reaction(phi, pressureForce, damped, drag, ofVolume);
     gained += total(V*(j.primitiveField() - j.oldTime().primitiveField()));
-    given += dt*total(V*scheme.reconstruct(force)().primitiveField());
+    given += dt*total(V*scheme.reconstruct(body)().primitiveField());
+    pressed += dt*total(V*scheme.reconstruct(pressureForce)().primitiveField());
     taken += dt*total(drag + ofVolume);
 
     const vector mean = total(V*j.primitiveField())/volume;
@@ -108,8 +113,9 @@ int main(int argc, char* argv[])
         << " deviation " << gMax(mag(deviation)()) << " max " << gMax(mag(j)().primitiveField())
         << " pRange " << gMax(p_rgh) - gMin(p_rgh)
         << " gained " << text(gained).str().c_str() << " given " << text(given).str().c_str()
+        << " pressed " << text(pressed).str().c_str()
         << " taken " << text(taken).str().c_str()
-        << " discretisation " << text(gained - given + taken).str().c_str() << endl;
+        << " discretisation " << text(gained - given - pressed + taken).str().c_str() << endl;
     runTime.write();
   }
   return 0;
