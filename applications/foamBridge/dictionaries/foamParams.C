@@ -123,6 +123,21 @@ void checkEntries(const dictionary& dict, const wordList& names)
   }
 }
 
+void checkPositive(const dictionary& dict, const word& name, scalar value)
+{
+  if (value > 0) return;
+  FatalIOErrorInFunction(dict)
+      << "entry '" << name << "': " << value << " is not allowed; it must be > 0" << exit(FatalIOError);
+}
+
+void checkDimensions(const IOobject& field, const dimensionSet& given, const dimensionSet& needed)
+{
+  if (given == needed) return;
+  FatalErrorInFunction
+      << "file " << field.objectPath() << ": entry 'dimensions' is " << given << ", but " << field.name()
+      << " needs " << needed << exit(FatalError);
+}
+
 void updateParams
 (
   const dictionary& dict, const part_param_table& table, void* values, const wordList& others

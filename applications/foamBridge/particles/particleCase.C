@@ -35,11 +35,21 @@ static const dictionary& section(const dictionary& dict, const word& name)
   return dict.subDict(name);
 }
 
-static int material(dem_t* dem, const dictionary& dict)
+static int material(dem_t* dem, const dictionary& dict, const std::string& name)
 {
   int number = -1;
-  checkStatus(dem_find_material(dem, dict.get<word>("material").c_str(), &number), dict);
+  if (dem_find_material(dem, name.c_str(), &number) != PART_OK)
+  {
+    FatalIOErrorInFunction(dict)
+        << part_last_error() << nl << "Materials: "
+        << flatOutput(section(dict.topDict(), "materials").toc()) << exit(FatalIOError);
+  }
   return number;
+}
+
+static int material(dem_t* dem, const dictionary& dict)
+{
+  return material(dem, dict, dict.get<word>("material"));
 }
 
 static void addMaterials(dem_t* dem, const dictionary& properties)
@@ -74,8 +84,8 @@ static void addContacts(dem_t* dem, const dictionary& properties)
       const std::string::size_type dash = key.find('-');
       const std::string first = key.substr(0, dash);
       const std::string second = dash == std::string::npos ? "" : key.substr(dash + 1);
-      checkStatus(dem_find_material(dem, first.c_str(), &a), e.dict());
-      checkStatus(dem_find_material(dem, second.c_str(), &b), e.dict());
+      a = material(dem, e.dict(), first);
+      b = material(dem, e.dict(), second);
     }
     checkStatus(dem_set_contact(dem, a, b, &c), e.dict());
   }
@@ -145,6 +155,7 @@ static void insertAll(dem_t* dem, const dictionary& properties)
   {
     dem_insert insert;
     readParams(e.dict(), dem_insert_table, &insert);
+    material(dem, e.dict());
     const bool isBlock = insert.kind == DEM_BLOCK;
     int64_t inserted = 0;
     checkStatus(dem_insert_particles(dem, &insert, isBlock ? block : -1, &inserted), e.dict());

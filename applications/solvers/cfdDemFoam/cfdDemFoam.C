@@ -13,6 +13,7 @@
 #include "singlePhaseTransportModel.H"
 #include "uniformDimensionedFields.H"
 
+#include "foamParams.H"
 #include "mixtureFields.H"
 #include "mixtureScheme.H"
 #include "operatorSelfTest.H"
