@@ -102,6 +102,14 @@ class Results:
         return 0 if all(r['good'] for r in self.rows) else 1
 
 
+def difference(computed, closed):
+    """Relative difference in percent as text; round-off is not told apart."""
+    if not closed:
+        return '-'
+    percent = 100 * (computed / closed - 1)
+    return '< 1e-6 %' if abs(percent) < 1e-6 else '%+.2g %%' % percent
+
+
 def print_table(rows, out=None):
     """Rows of Results as a text table."""
     head = ('case', 'quantity', 'unit', 'computed', 'closed form', 'difference', 'paper', 'run time')
@@ -113,7 +121,7 @@ def print_table(rows, out=None):
             r['case'] if r['case'] != last else '', r['quantity'], r['unit'],
             number % r['computed'] + ('' if r['good'] else ' (!)'),
             '-' if closed is None else number % closed,
-            '-' if not closed else '%+.2g %%' % (100 * (r['computed'] / closed - 1)),
+            difference(r['computed'], closed),
             r['paper'] or '-', '%.0f s' % r['seconds'] if r['case'] != last else ''))
         last = r['case']
     widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
