@@ -164,6 +164,23 @@ static void insertAll(dem_t* dem, const dictionary& properties)
   }
 }
 
+/* Newest time before this one that has a particle file, for a message; empty if there is none. */
+static word lastWritten(const Time& time)
+{
+  word last;
+  scalar newest = -GREAT;
+  for (const fileName& name : readDir(time.globalPath()/"particles", fileName::FILE))
+  {
+    scalar value = 0;
+    const word stem(name.lessExt());
+    if (name.ext() != "vtkhdf" || !readScalar(stem.c_str(), value)) continue;
+    if (value <= newest || value >= time.value()) continue;
+    last = stem;
+    newest = value;
+  }
+  return last;
+}
+
 dem_t* createParticles
 (
   const fvMesh& mesh, const dictionary& properties, const part_box& box, const vector& gravity,
@@ -202,8 +219,10 @@ dem_t* createParticles
   {
     FatalIOErrorInFunction(properties)
         << "the run starts at time " << time.timeName() << " but there is no " << file
-        << " to go on from, and particles are inserted at insertTime = " << insertTime
-        << exit(FatalIOError);
+        << " to go on from, and particles are inserted at insertTime = " << insertTime;
+    const word last(lastWritten(time));
+    if (!last.empty()) FatalIOError << nl << "The last time before it with particles is " << last;
+    FatalIOError << exit(FatalIOError);
   }
   dem_set_time(dem, time.value());
   checkStatus(dem_start(dem), properties);

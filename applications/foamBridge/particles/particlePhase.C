@@ -27,6 +27,24 @@ static const double* data(const vectorField& field)
 
 static double* data(vectorField& field) { return reinterpret_cast<double*>(field.data()); }
 
+/* Volume over the largest face: the shortest way through a cell, flat ones too. */
+static scalar smallestCell(const fvMesh& mesh)
+{
+  scalarField largest(mesh.nCells(), Zero);
+  forAll(mesh.faceAreas(), facei)
+  {
+    const scalar area = mag(mesh.faceAreas()[facei]);
+    scalar& own = largest[mesh.faceOwner()[facei]];
+    own = max(own, area);
+    if (facei < mesh.nInternalFaces())
+    {
+      scalar& nei = largest[mesh.faceNeighbour()[facei]];
+      nei = max(nei, area);
+    }
+  }
+  return gMin(scalarField(mesh.cellVolumes()/largest));
+}
+
 static bool anyMoves(part_store* s)
 {
   const int64_t* kind = part_field_int64(s, DEM_FIELD_KIND);
@@ -82,6 +100,7 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
   restarted_(false),
   volumeError_(0),
   substeps_(0),
+  smallestCell_(smallestCell(mesh)),
   epsParticles_
   (
     IOobject("epsParticles", mesh.time().timeName(), mesh, IOobject::READ_IF_PRESENT, IOobject::NO_WRITE),
@@ -98,6 +117,13 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
   )
 {
   readParams(couplingDict_, cpl_params_table, &params_);
+  if (params_.model == CPL_MODEL_A && params_.two_way && !params_.pressure_gradient)
+  {
+    FatalIOErrorInFunction(couplingDict_)
+        << "entry 'pressureGradient' can not be off in two-way model A: the fluid lacks the pressure"
+        << " on the solids, so the particles must get it; allowed: on, or model B, or twoWay off"
+        << exit(FatalIOError);
+  }
   const part_box box = foamMesh::box(mesh);
   dem_ = createParticles(mesh, demDict_, box, fluid.gravity, restarted_);
   still_ = demDict_.getOrDefault("skip", true) && !anyMoves(dem_store(dem_));
@@ -105,7 +131,10 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
   cpl_fluid properties;
   properties.density = fluid.density;
   properties.viscosity = fluid.viscosity*fluid.density;
-  for (direction d = 0; d < 3; ++d) properties.gravity[d] = fluid.gravity[d];
+  // Model B drives the whole mixture volume with gravity and body acceleration, so the particles get
+  // the reaction of both as buoyancy; in model A that of the body acceleration is in the pressure
+  const vector buoyant(fluid.gravity + (modelB() ? fluid.bodyAcceleration : vector(Zero)));
+  for (direction d = 0; d < 3; ++d) properties.gravity[d] = buoyant[d];
   checkStatus
   (
     cpl_create
@@ -235,7 +264,8 @@ void particlePhase::source(scalar dt, volScalarField& D, volVectorField& G)
 
 void particlePhase::react
 (
-  scalar dt, const volVectorField& pressure, const vectorField& drag, const vectorField& volume
+  scalar dt, const volVectorField& pressure, const vectorField& drag, const vectorField& volume,
+  const volVectorField& stress
 )
 {
   pressureAcceleration_ = pressure;
@@ -246,7 +276,12 @@ void particlePhase::react
     const scalar solid = V[celli]*(1 - epsParticles_[celli]);
     if (solid > 1e-6*V[celli]) pressureAcceleration_[celli] = volume[celli]/solid;
   }
-  const vectorField dragImpulse(fluid_.density*dt*drag), volumeImpulse(fluid_.density*dt*volume);
+  const vectorField dragImpulse(fluid_.density*dt*drag);
+  vectorField volumeImpulse(fluid_.density*dt*volume);
+  if (params_.viscous_stress)
+  {
+    volumeImpulse += fluid_.density*dt*V*(1 - epsParticles_.primitiveField())*stress.primitiveField();
+  }
   kick_.setSize(3*view_.count);
   checkStatus
   (
@@ -260,7 +295,7 @@ scalar particlePhase::courant(scalar dt) const
 {
   dem_report r;
   checkStatus(dem_get_report(dem_, &r), "particlePhase::courant");
-  return r.max_speed*dt/cbrt(gMin(mesh_.V()));
+  return r.max_speed*dt/smallestCell_;
 }
 
 scalar particlePhase::particleSteps() const
