@@ -9,7 +9,9 @@ progress::progress(const Time& time)
   time_(time),
   startValue_(time.value()),
   startClock_(time.elapsedClockTime()),
-  lastClock_(time.elapsedCpuTime())
+  lastClock_(time.elapsedCpuTime()),
+  particleSteps_(0),
+  rate_(0)
 {}
 
 static string hours(scalar seconds)
@@ -26,10 +28,15 @@ void progress::report(Ostream& os, scalar particleSteps)
   const scalar wall = time_.elapsedClockTime() - startClock_;
   const scalar done = time_.value() - startValue_;
   const scalar all = time_.endTime().value() - startValue_;
-  const scalar step = max(cpu - lastClock_, SMALL);
-  lastClock_ = cpu;
+  particleSteps_ += particleSteps;
+  if (cpu - lastClock_ > 0.5) // the clock counts in hundredths: a mean over at least half a second
+  {
+    rate_ = particleSteps_/(cpu - lastClock_);
+    particleSteps_ = 0;
+    lastClock_ = cpu;
+  }
   os << "Progress: " << 100*done/max(all, VSMALL) << " %, ExecutionTime = " << cpu
-     << " s, ClockTime = " << time_.elapsedClockTime() << " s, " << particleSteps/step
+     << " s, ClockTime = " << time_.elapsedClockTime() << " s, " << rate_
      << " particle-steps/s, time left "
      << hours(wall*max(all - done, scalar(0))/max(done, VSMALL)).c_str() << nl << endl;
 }
