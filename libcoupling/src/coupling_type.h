@@ -40,7 +40,7 @@ struct cpl_t {
   /* what was made with which weights */
   long long solid_stamp, sample_stamp, source_stamp;
   CPL_ARRAY(double) solid;       /* [cells] deposited sphere volume, m3 */
-  CPL_ARRAY(double) share;       /* [cells] sum_i w_ic b_i = D V_c, kg/s */
+  CPL_ARRAY(double) share;       /* [cells] sum_i w_ic b_i, kg/s: D V_c (B: D eps V_c) */
   CPL_ARRAY(double) implicit;    /* [count] b_i, kg/s (model B: b_i over sum_c w_ic/eps_c) */
   CPL_ARRAY(double) inverse_eps; /* [count] sum_c w_ic/eps_c, model B only */
   CPL_ARRAY(double) eps;         /* [count] sampled */

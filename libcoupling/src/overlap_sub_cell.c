@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Sub-cells (Markauskas et al. 2017, section 2.3): a cell is divided into n^3 parts and a part
+/* Sub-cells (Markauskas et al. 2017, section 3.1): a cell is divided into n^3 parts and a part
  * belongs to the sphere when its centre does. Instead of testing all of them, each row of sub-cells
  * along the first direction is cut by the sphere in one interval; its ends are then checked with
  * the plain test, so the marks are those of testing every centre. */

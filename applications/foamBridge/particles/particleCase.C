@@ -189,6 +189,12 @@ dem_t* createParticles
 {
   dem_params params;
   part_params_default(&dem_params_table, &params);
+  if (properties.found("gravity"))
+  {
+    FatalIOErrorInFunction(properties)
+        << "entry 'gravity' belongs in constant/g, which fluid and particles share"
+        << exit(FatalIOError);
+  }
   for (direction d = 0; d < 3; ++d) params.gravity[d] = gravity[d];
   updateParams
   (

@@ -29,7 +29,7 @@ extern "C" {
 /* ---- views ---------------------------------------------------------------------------------- */
 /* The cells of this rank, as an OpenFOAM mesh stores them. Faces point from owner to neighbour
  * (outwards on the boundary); faces internal .. faces-1 are boundary faces of any kind. Not copied:
- * the arrays must stay until cpl_destroy (or cpl_mesh_changed). */
+ * the arrays must stay until cpl_destroy. */
 typedef struct cpl_mesh {
   int points, faces, internal, cells;
   const double *point;       /* [points][3], m */
@@ -59,7 +59,7 @@ typedef struct cpl_particles {
 
 /* Fluid quantities of this rank's cells, in and out. NULL where a scene does not need one. */
 typedef struct cpl_cells {
-  double *eps;                  /* [cells] out: void fraction */
+  double *eps;                  /* [cells] void fraction: out of cpl_void_fraction, in elsewhere */
   double *solid_velocity;       /* [cells][3] out: volume-weighted mean particle velocity, m/s */
   const double *superficial;    /* [cells][3] in: U = eps u, m/s */
   const double *pressure_gradient; /* [cells][3] in: grad p without the hydrostatic part, Pa/m */
