@@ -20,13 +20,13 @@ void mixtureScheme::makeSkew()
   const surfaceVectorField& Sf = mesh_.Sf();
   skew_ = mesh_.magSf()*mesh_.nonOrthCorrectionVectors();
   along_ = Sf - skew_;
-  orthogonal_ = gMax((mag(skew_)/mesh_.magSf())().primitiveField()) < 1e-10;
-  forAll(skew_.boundaryField(), patchi)
+  scalar largest = max((mag(skew_)/mesh_.magSf())().primitiveField());
+  forAll(skew_.boundaryField(), patchi) // as many as this rank has: reduce after them, not inside
   {
     const fvsPatchVectorField& k = skew_.boundaryField()[patchi];
-    const scalarField ratio(mag(k)/mesh_.magSf().boundaryField()[patchi]);
-    if (returnReduce(ratio.size() && max(ratio) > 1e-10, orOp<bool>())) orthogonal_ = false;
+    if (k.size()) largest = max(largest, max(mag(k)/mesh_.magSf().boundaryField()[patchi]));
   }
+  orthogonal_ = returnReduce(largest, maxOp<scalar>()) < 1e-10;
   if (orthogonal_) return;
 
   symmTensorField A(mesh_.nCells(), symmTensor::zero);
