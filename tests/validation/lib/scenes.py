@@ -12,6 +12,13 @@ def fixed(path, **more):
                    **dict({'body': (0, 0, -GRAVITY), 'dt': 1e-3, 'end': 0.02}, **more))
 
 
+def tets(path, **more):
+    """Fixed and free spheres on tetrahedra: faces that are not orthogonal, at rank boundaries too."""
+    return coupled(path, cells=(2, 2, 4), mesh=['--kind', 'tet'], nonorth=2, spheres=[(0.01, 0.012, 0.05, 0.004, 0, 0, -0.1)],
+                   insertion={'block': lattice((6, 6, 4), bottom=0.014)}, g=(0, 0, -GRAVITY), body=(0, 0, -GRAVITY),
+                   **dict({'dt': 1e-3, 'end': 0.02}, **more))
+
+
 def settling(path, **more):
     """A rigid block that falls in a closed column, across cells (and across the borders of ranks)."""
     return coupled(path, kinds=CLOSED, insertion={'block': lattice((9, 9, 10), bottom=0.165, kind='block')},
@@ -36,4 +43,4 @@ def free(path, **more):
                    **dict({'dt': 1e-3, 'end': 0.03, 'contact': {'normalStiffness': 200.0, 'friction': 0.3}}, **more))
 
 
-SCENES = {'fixed': fixed, 'settling': settling, 'free': free}
+SCENES = {'fixed': fixed, 'settling': settling, 'free': free, 'tets': tets}
