@@ -2,8 +2,11 @@
 /* Contact of particles: one loop over the pair list, stamped for every law, with and without the
  * tangential part.
  *
- * The contact point is in the middle of the overlap, at r - delta/2 from either centre, so that
- * force and torque conserve angular momentum exactly: the two arms add up to the distance. */
+ * The contact point divides the distance of the centres as the radii do (the middle of the overlap
+ * of equal spheres), so that force and torque conserve angular momentum exactly: the two arms add
+ * up to the distance.
+ *
+ * This is the plain loop, for any scene and any processor; fast.c has the vector one. */
 #include "internal.h"
 #include "laws.h"
 
@@ -65,10 +68,11 @@ DEM_ALWAYS_INLINE void one_pair(const loop *in, int i, int j, double d2, const d
   dem_touch touch;
   double force[3], torque[3] = {0.0, 0.0, 0.0};
   touch.overlap = ri + rj - distance;
-  touch.inverse_mass = inverse_mass(in, i, j);
+  touch.root_mass = 1.0 / sqrt(inverse_mass(in, i, j));
+  touch.touches = 1;
   for (int c = 0; c < 3; c++)
     touch.n[c] = d[c] * inverse;
-  const double arm_i = ri - 0.5 * touch.overlap, arm_j = rj - 0.5 * touch.overlap;
+  const double share = distance / (ri + rj), arm_i = share * ri, arm_j = share * rj;
   surface_velocity(vi, vj, touch.n, arm_i, arm_j, tangential, touch.v);
   law(&in->coefs[(int)vi[7] * in->materials + (int)vj[7]], &touch, tangential, dt, spring, force);
   if (tangential) {
@@ -113,11 +117,16 @@ DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, law_function *law, int tangential, 
 }
 
 #define DEM_LAW(name, key, meaning)                                                                \
+  DEM_ALWAYS_INLINE void law_##name(const dem_coefs *coefs, const dem_touch *touch,                \
+                                    int tangential, double dt, double *spring, double *force) {    \
+    const dem_lane_coefs lane = dem_lane_coefs_of(coefs);                                          \
+    dem_law_##name(&lane, touch, tangential, dt, spring, force);                                   \
+  }                                                                                                \
   static void pairs_##name(dem_t *dem, double dt) {                                                \
-    pair_loop(dem, dem_law_##name, 0, dt);                                                         \
+    pair_loop(dem, law_##name, 0, dt);                                                             \
   }                                                                                                \
   static void pairs_##name##_tangential(dem_t *dem, double dt) {                                   \
-    pair_loop(dem, dem_law_##name, 1, dt);                                                         \
+    pair_loop(dem, law_##name, 1, dt);                                                             \
   }
 #include "dem/contact_laws.def"
 #undef DEM_LAW
@@ -135,20 +144,11 @@ static void pairs_any_tangential(dem_t *dem, double dt) {
   pair_loop(dem, dem_laws_any, 1, dt);
 }
 
-/* The law that all given contacts have in common, -1 when they differ. */
-static int common_law(const dem_t *dem) {
-  int law = -2;
-  for (int k = 0; k < dem->materials * dem->materials; k++) {
-    if (dem->coefs[k].law < 0)
-      continue;
-    law = law == -2 || law == dem->coefs[k].law ? dem->coefs[k].law : -1;
-  }
-  return law;
-}
-
 void dem_pair_forces(dem_t *dem, double dt) {
-  const int law = common_law(dem), tangential = dem->plan.tangential;
-  if (law >= 0)
+  const int law = dem_common_law(dem), tangential = dem->plan.tangential;
+  if (dem->fast.kernels != NULL)
+    dem_fast_forces(dem, dt);
+  else if (law >= 0)
     stamped[law][tangential](dem, dt);
   else if (tangential)
     pairs_any_tangential(dem, dt);

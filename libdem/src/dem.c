@@ -52,6 +52,7 @@ void dem_destroy(dem_t *dem) {
   if (dem->timers != NULL)
     part_timers_destroy(dem->timers);
   dem_walls_free(&dem->walls);
+  dem_fast_free(&dem->fast);
   free(dem->material);
   free(dem->given);
   free(dem->coefs);

@@ -16,13 +16,11 @@ static void support_force(dem_t *dem) {
         dem->support_force[c] -= ft[DEM_FT * (size_t)i + (size_t)c];
 }
 
-int dem_forces(dem_t *dem, double dt) {
+void dem_no_forces(dem_t *dem) {
   memset(dem_ft(dem), 0, (size_t)dem->store->local * DEM_FT * sizeof(double));
-  if (dem->plan.pairs) {
-    part_timers_start(dem->timers, dem->stage[DEM_STAGE_CONTACT]);
-    dem_pair_forces(dem, dt);
-    part_timers_stop(dem->timers, dem->stage[DEM_STAGE_CONTACT]);
-  }
+}
+
+void dem_wall_stage(dem_t *dem, double dt) {
   for (int c = 0; c < 3; c++)
     dem->wall_force[c] = 0.0;
   if (dem->plan.walls) {
@@ -30,6 +28,16 @@ int dem_forces(dem_t *dem, double dt) {
     dem_wall_forces(dem, dt);
     part_timers_stop(dem->timers, dem->stage[DEM_STAGE_WALLS]);
   }
+}
+
+int dem_forces(dem_t *dem, double dt) {
+  dem_no_forces(dem);
+  if (dem->plan.pairs) {
+    part_timers_start(dem->timers, dem->stage[DEM_STAGE_CONTACT]);
+    dem_pair_forces(dem, dt);
+    part_timers_stop(dem->timers, dem->stage[DEM_STAGE_CONTACT]);
+  }
+  dem_wall_stage(dem, dt);
   support_force(dem);
   if (dem->plan.blocks) {
     part_timers_start(dem->timers, dem->stage[DEM_STAGE_BLOCKS]);

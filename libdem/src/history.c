@@ -68,8 +68,10 @@ int dem_history_gather(const dem_t *dem, int **count, void **payload) {
   dem_entry *entries = NULL;
   *count = NULL;
   *payload = NULL;
-  if (dem->pairs != NULL && dem->pairs->data_width > 0 && dem->pairs->rows == dem->store->local)
+  if (dem->pairs != NULL && dem->pairs->data_width > 0 && dem->pairs->rows == dem->store->local) {
+    dem_fast_return(dem);
     status = part_pairs_gather(dem->pairs, dem->store, &pair_count, &pair);
+  }
   if (status == PART_OK)
     status = dem_allocate((size_t)dem->store->local, sizeof **count, count);
   if (status == PART_OK)

@@ -10,6 +10,7 @@
 #include <string.h>
 
 #include "dem/dem.h"
+#include "fast.h"
 #include "law.h"
 #include "particle/neighbours.h"
 #include "walls.h"
@@ -97,12 +98,13 @@ struct dem_t {
   int started, restored;
   int restored_elsewhere; /* read on another number of ranks than wrote */
   dem_plan plan;
+  dem_fast fast;
   double time, stable_step;
   double r_max, r_mean, skin;
   double *mass_of;     /* [materials] kg, own free particles */
   double *gravity_now; /* [materials][3] m/s2, mean over the present half step */
   double *x_built;     /* [3 local] where particles were when the lists were built */
-  double travel;       /* m, largest displacement of any particle since then */
+  double travel;       /* m, bound of the largest displacement of any particle since then */
 
   double wall_force[3], support_force[3]; /* N, on own movable particles, now */
   dem_sum wall_impulse, support_impulse, gravity_impulse, fluid_impulse;
@@ -179,8 +181,9 @@ void dem_own_momentum(const dem_t *dem, double momentum[3], double *size);
 /* Collective. Migrate, sort, ghosts, lists; history is carried over. count/payload: history that
  * does not come from the present lists (after dem_read); NULL otherwise; taken over and freed. */
 int dem_rebuild(dem_t *dem, int balance, int *count, void *payload);
-/* Collective. After a drift: refresh ghosts, or rebuild when particles may have left the lists. */
-int dem_refresh(dem_t *dem);
+/* Collective. After a drift by at most `way` (m, own particles of this rank; negative: not known):
+ * refresh ghosts, or rebuild when particles may have left the lists. */
+int dem_refresh(dem_t *dem, double way);
 /* History of pairs and walls as one payload per own particle; entries of dem_entry. */
 int dem_history_gather(const dem_t *dem, int **count, void **payload);
 typedef struct dem_entry {
@@ -195,6 +198,8 @@ int dem_history_sort(dem_t *dem, double cell, int *count, void *payload);
 /* Contact forces and torques of pairs into FORCE, TORQUE of own particles, which start at zero. */
 void dem_pair_forces(dem_t *dem, double dt);
 int dem_pair_list_filter(dem_t *dem); /* drop pairs that share a body */
+/* The law that all given contacts have in common, -1: they differ, or there is none. */
+int dem_common_law(const dem_t *dem);
 
 /* ---- wall_contact.c ----------------------------------------------------------------------------
  */
@@ -206,6 +211,9 @@ int dem_walls_touched(const dem_t *dem, int row, dem_candidate *place);
  */
 /* Collective. All contact forces at the present positions; dt stretches the springs. */
 int dem_forces(dem_t *dem, double dt);
+/* Parts of it, for fused steps: forces and torques to zero; those of walls added. */
+void dem_no_forces(dem_t *dem);
+void dem_wall_stage(dem_t *dem, double dt);
 
 /* ---- integrate.c -------------------------------------------------------------------------------
  */

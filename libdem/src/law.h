@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include "dem/dem.h"
+#include "vec.h"
 
 /* Coefficients of a pair of materials, derived from dem_contact by the law. */
 typedef struct dem_coefs {
@@ -14,12 +15,18 @@ typedef struct dem_coefs {
   double mu;
 } dem_coefs;
 
+/* The same for the pairs of all lanes. */
+typedef struct dem_lane_coefs {
+  vec k_n, k_t, c_n, c_t, mu;
+} dem_lane_coefs;
+
 /* Two bodies that touch, as the first one (i) sees it. */
 typedef struct dem_touch {
-  double n[3];    /* unit vector from the partner to i */
-  double overlap; /* m, > 0 */
-  double v[3];    /* m/s, surface velocity of i minus that of the partner, at the contact point */
-  double inverse_mass; /* 1/kg, 1/m_i + 1/m_j = 1/m_eff */
+  vec n[3];         /* unit vector from the partner to i */
+  vec overlap;      /* m, > 0 */
+  vec v[3];         /* m/s, surface velocity of i minus that of the partner, at the contact point */
+  vec root_mass;    /* kg^1/2, sqrt(m_eff), 1/m_eff = 1/m_i + 1/m_j */
+  vec_mask touches; /* other lanes may hold anything */
 } dem_touch;
 
 #endif

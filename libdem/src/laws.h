@@ -40,12 +40,18 @@ static inline double dem_laws_time(const dem_coefs *coefs, double inverse_mass) 
   }
 }
 
+#if DEM_WIDTH == 1
+static inline dem_lane_coefs dem_lane_coefs_of(const dem_coefs *coefs) {
+  return (dem_lane_coefs){coefs->k_n, coefs->k_t, coefs->c_n, coefs->c_t, coefs->mu};
+}
+
 static inline void dem_laws_any(const dem_coefs *coefs, const dem_touch *touch, int tangential,
                                 double dt, double spring[3], double force[3]) {
+  const dem_lane_coefs lane = dem_lane_coefs_of(coefs);
   switch (coefs->law) {
 #define DEM_LAW(name, key, meaning)                                                                \
   case DEM_LAW_##name:                                                                             \
-    dem_law_##name(coefs, touch, tangential, dt, spring, force);                                   \
+    dem_law_##name(&lane, touch, tangential, dt, spring, force);                                   \
     break;
 #include "dem/contact_laws.def"
 #undef DEM_LAW
@@ -54,5 +60,6 @@ static inline void dem_laws_any(const dem_coefs *coefs, const dem_touch *touch, 
     break;
   }
 }
+#endif
 
 #endif

@@ -23,7 +23,7 @@ static int make_pairs(dem_t *dem, const int *count, const void *payload) {
   PART_TRY(dem_pair_list_filter(dem));
   if (dem->plan.tangential && payload != NULL)
     PART_TRY(part_pairs_scatter(dem->pairs, dem->store, count, payload));
-  return PART_OK;
+  return dem_fast_list(dem);
 }
 
 /* Own masses per material, and the positions that the lists belong to. */
@@ -98,16 +98,25 @@ static double moved(const dem_t *dem) {
   return sqrt(most);
 }
 
-int dem_refresh(dem_t *dem) {
+static double max_over_ranks(const dem_t *dem, double value) {
+  if (dem->ranks > 1)
+    MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_DOUBLE, MPI_MAX, dem->comm);
+  return value;
+}
+
+int dem_refresh(dem_t *dem, double way) {
   /* Lists hold until one particle has moved half the skin. Without lists only periodic wrapping and
    * the errors of migration are left, which can wait for a radius. */
   const double limit = dem->plan.pairs || dem->plan.walls ? 0.5 * dem->skin : dem->r_mean;
   part_timers_start(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
-  double travel = moved(dem);
-  if (!(travel <= limit))
-    travel = HUGE_VAL; /* NaN is not passed on reliably by MPI_MAX */
-  if (dem->ranks > 1)
-    MPI_Allreduce(MPI_IN_PLACE, &travel, 1, MPI_DOUBLE, MPI_MAX, dem->comm);
+  /* The bound costs nothing; only when it says maybe, every particle is looked at. */
+  double travel = way >= 0.0 ? dem->travel + max_over_ranks(dem, way) : HUGE_VAL;
+  if (!(travel <= limit)) {
+    travel = moved(dem);
+    if (!(travel <= limit))
+      travel = HUGE_VAL; /* NaN is not passed on reliably by MPI_MAX */
+    travel = max_over_ranks(dem, travel);
+  }
   dem->travel = travel;
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
   if (!(travel <= limit))

@@ -104,6 +104,7 @@ int dem_start(dem_t *dem) {
     return part_fail(PART_ERR_STATE, "dem_start is called once");
   PART_TRY(part_agree(dem->comm, prepare(dem)));
   PART_TRY(dem_make_plan(dem));
+  dem_fast_choose(dem);
   PART_TRY(part_agree(dem->comm, prepare_lists(dem)));
   int *count = dem->kept_count;
   void *payload = dem->kept;
@@ -120,7 +121,10 @@ int dem_start(dem_t *dem) {
   if (dem->restored)
     return PART_OK;
   PART_TRY(part_agree(dem->comm, dem->plan.walls ? dem_walls_check(dem) : PART_OK));
-  PART_TRY(dem_forces(dem, 0.0));
+  dem_fast_enter(dem);
+  const int status = dem_forces(dem, 0.0);
+  dem_fast_leave(dem);
+  PART_TRY(status);
   dem_own_momentum(dem, dem->initial_momentum, NULL);
   return PART_OK;
 }

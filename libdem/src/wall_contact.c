@@ -111,11 +111,15 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
   double *ft = dem_ft(dem) + DEM_FT * (size_t)i, force[3];
   dem_touch touch;
   memcpy(touch.n, n, sizeof touch.n);
-  touch.overlap = dem_xr(dem)[DEM_XR * (size_t)i + 3] - place->gap;
   /* Its own mass in a block, too: see blocks.c. */
-  touch.inverse_mass = dem_kind_of(dem, i) == DEM_FREE ? vm[3] : 1.0 / dem_own_mass(dem, i);
+  touch.root_mass =
+      dem_kind_of(dem, i) == DEM_FREE ? 1.0 / sqrt(vm[3]) : sqrt(dem_own_mass(dem, i));
+  touch.touches = 1;
+  /* See fast.h for the units of spin and torque. */
+  const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3], unit = dem->fast.spins ? 1.0 / r : 1.0;
+  const double w[3] = {vm[4] * unit, vm[5] * unit, vm[6] * unit};
+  touch.overlap = r - place->gap;
   const double arm = place->gap + 0.5 * touch.overlap;
-  const double *w = vm + 4;
   touch.v[0] = vm[0] - arm * (w[1] * n[2] - w[2] * n[1]);
   touch.v[1] = vm[1] - arm * (w[2] * n[0] - w[0] * n[2]);
   touch.v[2] = vm[2] - arm * (w[0] * n[1] - w[1] * n[0]);
@@ -128,9 +132,9 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
     near->n[c] = n[c];
   }
   if (tangential) {
-    ft[4] += arm * (n[2] * force[1] - n[1] * force[2]);
-    ft[5] += arm * (n[0] * force[2] - n[2] * force[0]);
-    ft[6] += arm * (n[1] * force[0] - n[0] * force[1]);
+    ft[4] += unit * arm * (n[2] * force[1] - n[1] * force[2]);
+    ft[5] += unit * arm * (n[0] * force[2] - n[2] * force[0]);
+    ft[6] += unit * arm * (n[1] * force[0] - n[0] * force[1]);
   }
 }
 

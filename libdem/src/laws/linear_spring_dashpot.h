@@ -38,48 +38,54 @@ static inline double dem_law_linear_spring_dashpot_time(const dem_coefs *coefs,
   return pi / sqrt(inverse_mass * (k_t > coefs->k_n ? k_t : coefs->k_n));
 }
 
-/* Rotate the spring into the contact plane, its length kept, and stretch it by v_t dt. */
-static inline void dem_law_spring(const double n[3], const double v_t[3], double dt,
-                                  double spring[3]) {
-  const double s2 = spring[0] * spring[0] + spring[1] * spring[1] + spring[2] * spring[2];
-  double scale = 1.0;
-  if (s2 > 0.0) {
-    const double s_n = spring[0] * n[0] + spring[1] * n[1] + spring[2] * n[2];
+/* Rotate the spring into the contact plane, its length kept, and stretch it by v_t dt. Where the
+ * turn would change the length by less than half a rounding error, the length is left alone: with
+ * a = s_n/|s| it is a^2/2. */
+static inline void dem_law_spring(const dem_touch *touch, const vec v_t[3], double dt,
+                                  vec spring[3]) {
+  const vec *n = touch->n;
+  const vec s2 = spring[0] * spring[0] + spring[1] * spring[1] + spring[2] * spring[2];
+  const vec s_n = spring[0] * n[0] + spring[1] * n[1] + spring[2] * n[2];
+  for (int c = 0; c < 3; c++)
+    spring[c] -= s_n * n[c];
+  const vec_mask turns = vec_both(touch->touches, vec_less(vec_all(1e-16) * s2, s_n * s_n));
+  if (vec_bits(turns)) {
+    const vec p2 = spring[0] * spring[0] + spring[1] * spring[1] + spring[2] * spring[2];
+    const vec scale = vec_keep(vec_less(vec_all(0.0), p2), vec_sqrt(s2 / p2));
     for (int c = 0; c < 3; c++)
-      spring[c] -= s_n * n[c];
-    const double p2 = spring[0] * spring[0] + spring[1] * spring[1] + spring[2] * spring[2];
-    scale = p2 > 0.0 ? sqrt(s2 / p2) : 0.0;
+      spring[c] = vec_choose(turns, scale * spring[c], spring[c]);
   }
   for (int c = 0; c < 3; c++)
-    spring[c] = scale * spring[c] + v_t[c] * dt;
+    spring[c] += v_t[c] * vec_all(dt);
 }
 
-static inline void dem_law_linear_spring_dashpot(const dem_coefs *coefs, const dem_touch *touch,
-                                                 int tangential, double dt, double spring[3],
-                                                 double force[3]) {
-  const double *n = touch->n, *v = touch->v;
-  const double root_mass = 1.0 / sqrt(touch->inverse_mass);
-  const double v_n = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-  const double f_n = coefs->k_n * touch->overlap - coefs->c_n * root_mass * v_n;
+static inline void dem_law_linear_spring_dashpot(const dem_lane_coefs *coefs,
+                                                 const dem_touch *touch, int tangential, double dt,
+                                                 vec spring[3], vec force[3]) {
+  const vec *n = touch->n, *v = touch->v;
+  const vec v_n = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
+  const vec f_n = coefs->k_n * touch->overlap - coefs->c_n * touch->root_mass * v_n;
   for (int c = 0; c < 3; c++)
     force[c] = f_n * n[c];
   if (!tangential)
     return;
 
-  const double c_t = coefs->c_t * root_mass;
-  double v_t[3], f_t[3];
+  const vec c_t = coefs->c_t * touch->root_mass;
+  vec v_t[3], f_t[3];
   for (int c = 0; c < 3; c++)
     v_t[c] = v[c] - v_n * n[c];
-  dem_law_spring(n, v_t, dt, spring);
+  dem_law_spring(touch, v_t, dt, spring);
   for (int c = 0; c < 3; c++)
     f_t[c] = -coefs->k_t * spring[c] - c_t * v_t[c];
-  const double f2 = f_t[0] * f_t[0] + f_t[1] * f_t[1] + f_t[2] * f_t[2];
-  const double limit = f_n > 0.0 ? coefs->mu * f_n : 0.0;
-  if (f2 > limit * limit) {
-    const double cut = limit / sqrt(f2);
+  const vec f2 = f_t[0] * f_t[0] + f_t[1] * f_t[1] + f_t[2] * f_t[2];
+  const vec limit = coefs->mu * vec_max(f_n, vec_all(0.0));
+  const vec_mask slides = vec_both(touch->touches, vec_less(limit * limit, f2));
+  if (vec_bits(slides)) {
+    const vec cut = limit / vec_sqrt(f2), per_k_t = vec_all(-1.0) / coefs->k_t;
     for (int c = 0; c < 3; c++) {
-      f_t[c] *= cut;
-      spring[c] = -(f_t[c] + c_t * v_t[c]) / coefs->k_t;
+      const vec less = cut * f_t[c];
+      spring[c] = vec_choose(slides, per_k_t * (less + c_t * v_t[c]), spring[c]);
+      f_t[c] = vec_choose(slides, less, f_t[c]);
     }
   }
   for (int c = 0; c < 3; c++)

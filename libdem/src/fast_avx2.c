@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Kernels for AVX2 with FMA. Only this file is compiled for it; dem_fast_choose asks the processor. */
+#include "fast.h"
+
+#if defined(__x86_64__) && defined(__GNUC__)
+
+#include <immintrin.h>
+#include <math.h>
+#include <mpi.h>
+#include <string.h>
+
+/* From here on functions are compiled for the named instructions; multiply and add may be one
+ * operation, as these have it. */
+#if defined(__clang__)
+#pragma clang attribute push(__attribute__((target("avx2,fma"))), apply_to = function)
+#pragma STDC FP_CONTRACT ON
+#else
+#pragma GCC push_options
+#pragma GCC target("avx2,fma")
+#pragma GCC optimize("fp-contract=fast")
+#endif
+
+#define DEM_WIDTH 4
+#include "fast_kernel.h"
+
+#if defined(__clang__)
+#pragma clang attribute pop
+#else
+#pragma GCC pop_options
+#endif
+
+const dem_kernels *dem_kernels_avx2(void) {
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &kernels : NULL;
+}
+
+#else
+
+const dem_kernels *dem_kernels_avx2(void) {
+  return NULL;
+}
+
+#endif

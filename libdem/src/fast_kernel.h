@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The kernels of fast.h, written once and included by one file for each DEM_WIDTH. */
+#include <string.h>
+
+#include "fast.h"
+#include "fast_lanes.h"
+#include "laws.h"
+
+#define INLINE static inline __attribute__((always_inline))
+
+typedef void law_function(const dem_lane_coefs *, const dem_touch *, int, double, vec *, vec *);
+
+/* Components of the position record of a block: x_i - x_j and r_i + r_j. */
+INLINE vec separation(const double *xr, const int *i, const int *j, vec d[4]) {
+  const quad sign = {-1.0, -1.0, -1.0, 1.0};
+  quad r[DEM_WIDTH];
+  for (int k = 0; k < DEM_WIDTH; k++)
+    r[k] = *(const quad *)(xr + 4 * (long)i[k]) + sign * *(const quad *)(xr + 4 * (long)j[k]);
+  to_lanes_4(r, d);
+  return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+}
+
+INLINE vec_mask touching(vec d2, vec reach) {
+  return vec_both(vec_less(d2, reach * reach), vec_less(vec_all(0.0), d2));
+}
+
+/* pair: number of the two materials in the table. */
+INLINE dem_lane_coefs coefs_of(const dem_lanes *in, vec pair, vec_mask touches) {
+  const dem_coefs *c = in->coefs;
+  if (in->materials == 1)
+    return (dem_lane_coefs){vec_all(c->k_n), vec_all(c->k_t), vec_all(c->c_n), vec_all(c->c_t),
+                            vec_all(c->mu)};
+  dem_lane_coefs lane = {vec_all(0.0), vec_all(0.0), vec_all(0.0), vec_all(0.0), vec_all(0.0)};
+  const vec number = vec_keep(touches, pair);
+  for (int k = 0; k < DEM_WIDTH; k++) {
+    const dem_coefs *one = &c[(int)number[k]];
+    lane.k_n[k] = one->k_n;
+    lane.k_t[k] = one->k_t;
+    lane.c_n[k] = one->c_n;
+    lane.c_t[k] = one->c_t;
+    lane.mu[k] = one->mu;
+  }
+  return lane;
+}
+
+/* One block of pairs. With m = m_i, m_j and arms r_i, r_j times share = |d|/(r_i + r_j):
+ *   v = v_i - v_j - share (u_i + u_j) x n,   torque_i/r_i = torque_j/r_j = -share n x F */
+INLINE void block(const dem_lanes *in, const int *i, const int *j, double *const spring[3],
+                  law_function *law, int tangential) {
+  vec d[4], v[8], s[3], f[8];
+  dem_touch touch;
+  const vec d2 = separation(in->xr, i, j, d);
+  touch.touches = touching(d2, d[3]);
+  if (!vec_bits(touch.touches)) {
+    if (tangential)
+      for (int c = 0; c < 3; c++)
+        *(vec *)spring[c] = vec_all(0.0);
+    return;
+  }
+  load_8(in->vm, i, j, sign_8(-1.0, 1.0, in->materials), v);
+  const vec distance = vec_sqrt(d2), root = vec_sqrt(v[3]);
+  /* 1/distance, 1/root and 1/reach from one division. */
+  const vec product = distance * root, rest = vec_all(1.0) / (product * d[3]);
+  const vec inverse = rest * root * d[3], share = distance * (rest * product);
+  touch.root_mass = rest * distance * d[3];
+  touch.overlap = d[3] - distance;
+  for (int c = 0; c < 3; c++) {
+    touch.n[c] = d[c] * inverse;
+    touch.v[c] = v[c];
+  }
+  const vec *n = touch.n;
+  if (tangential) {
+    for (int c = 0; c < 3; c++) {
+      s[c] = *(const vec *)spring[c];
+      v[4 + c] *= share;
+    }
+    touch.v[0] -= v[5] * n[2] - v[6] * n[1];
+    touch.v[1] -= v[6] * n[0] - v[4] * n[2];
+    touch.v[2] -= v[4] * n[1] - v[5] * n[0];
+  }
+  const dem_lane_coefs coefs = coefs_of(in, v[7], touch.touches);
+  law(&coefs, &touch, tangential, in->dt, s, f);
+  for (int c = 0; c < 3; c++)
+    f[c] = vec_keep(touch.touches, f[c]);
+  f[3] = f[4] = f[5] = f[6] = f[7] = vec_all(0.0);
+  if (tangential) {
+    for (int c = 0; c < 3; c++)
+      *(vec *)spring[c] = vec_keep(touch.touches, s[c]);
+    f[4] = vec_keep(touch.touches, share * (n[2] * f[1] - n[1] * f[2]));
+    f[5] = vec_keep(touch.touches, share * (n[0] * f[2] - n[2] * f[0]));
+    f[6] = vec_keep(touch.touches, share * (n[1] * f[0] - n[0] * f[1]));
+  }
+  add_8(in->ft, i, j, sign_8(-1.0, 0.0, 0.0), f);
+}
+
+INLINE void dense_loop(const dem_lanes *in, int from, int to, law_function *law, int tangential) {
+  for (int k = from; k < to; k += DEM_WIDTH) {
+    double *const spring[3] = {in->spring[0] + k, in->spring[1] + k, in->spring[2] + k};
+    block(in, in->i + k, in->j + k, spring, law, tangential);
+  }
+}
+
+INLINE void run_dense(const dem_lanes *in, int from, int to, law_function *law) {
+  if (in->tangential)
+    dense_loop(in, from, to, law, 1);
+  else
+    dense_loop(in, from, to, law, 0);
+}
+
+/* Bits of the 8 pairs from k that touch. */
+INLINE unsigned touching_8(const dem_lanes *in, int k) {
+  unsigned bits = 0;
+  for (int m = 0; m < DEM_BLOCK_PAIRS; m += DEM_WIDTH) {
+    vec d[4];
+    const vec d2 = separation(in->xr, in->i + k + m, in->j + k + m, d);
+    bits |= vec_bits(touching(d2, d[3])) << m;
+  }
+  return bits;
+}
+
+enum { PACKED = DEM_CHUNK_PAIRS + DEM_BLOCK_PAIRS };
+
+typedef struct packed {
+  int count, from[PACKED], i[PACKED], j[PACKED];
+  _Alignas(64) double spring[3][PACKED];
+} packed;
+
+INLINE void pack(const dem_lanes *in, int from, int to, packed *p) {
+  p->count = 0;
+  for (int k = from; k < to; k += DEM_BLOCK_PAIRS) {
+    const unsigned now = touching_8(in, k);
+    unsigned ended = in->was[k / DEM_BLOCK_PAIRS] & ~now;
+    in->was[k / DEM_BLOCK_PAIRS] = (unsigned char)now;
+    for (; ended; ended &= ended - 1)
+      for (int c = 0; c < 3; c++)
+        in->spring[c][k + __builtin_ctz(ended)] = 0.0;
+    for (unsigned left = now; left; left &= left - 1)
+      p->from[p->count++] = k + __builtin_ctz(left);
+  }
+}
+
+INLINE void run_sparse(const dem_lanes *in, int from, int to, law_function *law) {
+  packed p;
+  pack(in, from, to, &p);
+  for (int k = 0; k < p.count; k++) {
+    p.i[k] = in->i[p.from[k]];
+    p.j[k] = in->j[p.from[k]];
+    for (int c = 0; c < 3; c++)
+      p.spring[c][k] = in->spring[c][p.from[k]];
+  }
+  for (int k = p.count; k % DEM_WIDTH != 0; k++) {
+    p.i[k] = p.j[k] = 0;
+    p.spring[0][k] = p.spring[1][k] = p.spring[2][k] = 0.0;
+  }
+  dem_lanes packed_lanes = *in;
+  packed_lanes.i = p.i;
+  packed_lanes.j = p.j;
+  for (int c = 0; c < 3; c++)
+    packed_lanes.spring[c] = p.spring[c];
+  run_dense(&packed_lanes, 0, p.count, law);
+  for (int k = 0; in->tangential && k < p.count; k++)
+    for (int c = 0; c < 3; c++)
+      in->spring[c][p.from[k]] = p.spring[c][k];
+}
+
+/* I = 2/5 m r^2, so that r domega/dt = 5/2 (torque/r)/m. */
+INLINE void run_move(dem_motion *m, int from, int to, int tangential) {
+  const double h = m->dt;
+  const quad zero = {0.0, 0.0, 0.0, 0.0}, drift = {h, h, h, 0.0};
+  quad most = zero, kick = *(const quad *)m->kick;
+  for (int i = from; i < to; i++) {
+    quad *x = (quad *)(m->xr + 4 * (long)i), *v = (quad *)(m->vm + 8 * (long)i);
+    quad *f = (quad *)(m->ft + 8 * (long)i);
+    const double w = m->vm[8 * (long)i + 3] * h;
+    if (m->materials > 1)
+      kick = *(const quad *)(m->kick + 4 * (int)m->vm[8 * (long)i + 7]);
+    const quad now = v[0] + (f[0] * w + kick);
+    v[0] = now;
+    x[0] += drift * now;
+    most = (quad)_mm256_max_pd((__m256d)most, (__m256d)(now * now));
+    f[0] = zero;
+    if (tangential) {
+      v[1] += f[1] * (2.5 * w);
+      f[1] = zero;
+    }
+  }
+  for (int c = 0; c < 3; c++)
+    m->most[c] = most[c] > m->most[c] ? most[c] : m->most[c];
+}
+
+static void move(dem_motion *m, int from, int to) {
+  if (m->tangential)
+    run_move(m, from, to, 1);
+  else
+    run_move(m, from, to, 0);
+}
+
+#define DEM_LAW(name, key, meaning)                                                                \
+  static void dense_##name(const dem_lanes *in, int from, int to) {                                \
+    run_dense(in, from, to, dem_law_##name);                                                       \
+  }                                                                                                \
+  static void sparse_##name(const dem_lanes *in, int from, int to) {                               \
+    run_sparse(in, from, to, dem_law_##name);                                                      \
+  }
+#include "dem/contact_laws.def"
+#undef DEM_LAW
+
+#define DEM_LAW(name, key, meaning) dense_##name,
+static const dem_pairs_kernel dense[DEM_LAW_COUNT] = {
+#include "dem/contact_laws.def"
+};
+#undef DEM_LAW
+#define DEM_LAW(name, key, meaning) sparse_##name,
+static const dem_pairs_kernel sparse[DEM_LAW_COUNT] = {
+#include "dem/contact_laws.def"
+};
+#undef DEM_LAW
+
+static const dem_kernels kernels = {DEM_WIDTH, dense, sparse, move};
