@@ -19,10 +19,6 @@ int dem_common_law(const dem_t *dem) {
   return law < 0 ? -1 : law;
 }
 
-void dem_fast_limit(dem_t *dem, int width) {
-  dem->fast.limit = width;
-}
-
 void dem_fast_choose(dem_t *dem) {
   const dem_kernels *const known[] = {dem_kernels_avx512(), dem_kernels_avx2()};
   dem_fast *fast = &dem->fast;
@@ -121,6 +117,15 @@ void dem_fast_return(const dem_t *dem) {
   for (int k = 0; k < n; k++)
     for (int c = 0; c < DEM_SPRING; c++)
       pairs->data[DEM_SPRING * (size_t)k + (size_t)c] = fast->spring[c][k];
+}
+
+int dem_fast_limit(dem_t *dem, int width) {
+  dem->fast.limit = width;
+  if (!dem->started)
+    return PART_OK;
+  dem_fast_return(dem);
+  dem_fast_choose(dem);
+  return dem_fast_list(dem);
 }
 
 /* Multiply spins by r or its inverse, and torques by the opposite. */

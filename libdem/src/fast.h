@@ -59,7 +59,7 @@ typedef struct dem_fast {
   int limit;                  /* widest vector allowed, 0: any */
   const dem_kernels *kernels; /* NULL: plain loop */
   int law;
-  int spins;                  /* records hold r omega and torque/r */
+  int spins; /* records hold r omega and torque/r */
   int sparse;
   int pairs; /* padded */
   int *i, *j;
@@ -71,8 +71,8 @@ typedef struct dem_fast {
 struct dem_t;
 /* After dem_make_plan: choose the kernels. */
 void dem_fast_choose(struct dem_t *dem);
-/* Widest vector allowed from now on, 1: plain loop; for tests and benchmarks. Before dem_start. */
-void dem_fast_limit(struct dem_t *dem, int width);
+/* Widest vector allowed from now on, 1: plain loop, 0: any; for tests and benchmarks. */
+int dem_fast_limit(struct dem_t *dem, int width);
 
 /* Flat list from the pairs just built, and springs back into the pairs before they are read. */
 int dem_fast_list(struct dem_t *dem);

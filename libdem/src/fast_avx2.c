@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Kernels for AVX2 with FMA. Only this file is compiled for it; dem_fast_choose asks the processor. */
+/* Kernels for AVX2 with FMA. Only this file is compiled for it; dem_fast_choose asks the processor.
+ */
 #include "fast.h"
 
 #if defined(__x86_64__) && defined(__GNUC__)

@@ -12,7 +12,8 @@
 /* From here on functions are compiled for the named instructions; multiply and add may be one
  * operation, as these have it. */
 #if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma"))), apply_to = function)
+#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma"))),        \
+                             apply_to = function)
 #pragma STDC FP_CONTRACT ON
 #else
 #pragma GCC push_options
@@ -33,7 +34,8 @@ const dem_kernels *dem_kernels_avx512(void) {
   return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                  __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx2") &&
                  __builtin_cpu_supports("fma")
-             ? &kernels : NULL;
+             ? &kernels
+             : NULL;
 }
 
 #else

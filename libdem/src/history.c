@@ -32,6 +32,18 @@ static int by_key(const void *a, const void *b) {
   return (x->key > y->key) - (x->key < y->key);
 }
 
+static void sort_entries(dem_entry *entry, ptrdiff_t n) {
+  if (n > 32)
+    qsort(entry, (size_t)n, sizeof *entry, by_key);
+  for (ptrdiff_t k = 1; n <= 32 && k < n; k++) {
+    const dem_entry one = entry[k];
+    ptrdiff_t at = k;
+    for (; at > 0 && entry[at - 1].key > one.key; at--)
+      entry[at] = entry[at - 1];
+    entry[at] = one;
+  }
+}
+
 /* Join the entries of pairs (NULL: none) and walls, particle by particle, sorted by key so that
  * nothing depends on the order of rows. */
 static int join(const dem_t *dem, const int *pair_count, const dem_entry *pair, int *count,
@@ -56,8 +68,7 @@ static int join(const dem_t *dem, const int *pair_count, const dem_entry *pair, 
     }
     if (row < walls->rows && walls->particle[row] == i)
       to = put_wall(walls, row++, to);
-    if (to - first > 1)
-      qsort(first, (size_t)(to - first), sizeof *first, by_key);
+    sort_entries(first, to - first);
   }
   return PART_OK;
 }
@@ -82,50 +93,39 @@ int dem_history_gather(const dem_t *dem, int **count, void **payload) {
   return status;
 }
 
-typedef struct place {
-  int64_t id;
-  size_t first; /* entry */
-  int count;
-} place;
-
-static int by_id(const void *a, const void *b) {
-  const place *x = a, *y = b;
-  return (x->id > y->id) - (x->id < y->id);
-}
-
-/* Where the entries of each particle are, sorted by id. */
-static int find_places(const dem_t *dem, const int *count, place **places) {
-  size_t first = 0;
-  PART_TRY(dem_allocate((size_t)dem->store->local, sizeof **places, places));
-  for (int i = 0; i < dem->store->local; i++) {
-    (*places)[i] = (place){dem_id(dem, i), first, count[i]};
-    first += (size_t)count[i];
+/* Entries in the order of the particles after the sort; first[i]: those of old particle i. */
+static void reorder(int n, const int *order, const size_t *first, const dem_entry *old, int *count,
+                    dem_entry *entry) {
+  for (int i = 0; i < n; i++) {
+    const size_t from = first[order[i]], to = first[order[i] + 1];
+    count[i] = (int)(to - from);
+    for (size_t k = from; k < to; k++)
+      *entry++ = old[k];
   }
-  qsort(*places, (size_t)dem->store->local, sizeof **places, by_id);
-  return PART_OK;
 }
 
 int dem_history_sort(dem_t *dem, double cell, int *count, void *payload) {
-  place *places = NULL;
-  dem_entry *entries = payload, *copy = NULL;
-  size_t total = 0;
-  for (int i = 0; i < dem->store->local; i++)
-    total += (size_t)count[i];
-  int status = find_places(dem, count, &places);
+  const int n = dem->store->local;
+  int *order = NULL;
+  size_t *first = NULL;
+  dem_entry *copy = NULL;
+  int status = dem_allocate((size_t)n, sizeof *order, &order);
   if (status == PART_OK)
-    status = dem_allocate(total, sizeof *copy, &copy);
+    status = dem_allocate((size_t)n + 1, sizeof *first, &first);
+  for (int i = 0; status == PART_OK && i < n; i++)
+    first[i + 1] = first[i] + (size_t)count[i];
+  if (status == PART_OK)
+    status = dem_allocate(first[n], sizeof *copy, &copy);
+  if (status == PART_OK)
+    status = part_sort_order(dem->store, &dem->box, cell, order);
+  if (status == PART_OK)
+    status = part_store_permute(dem->store, order);
   if (status == PART_OK) {
-    memcpy(copy, entries, total * sizeof *copy);
-    status = part_sort_by_cell(dem->store, &dem->box, cell);
+    memcpy(copy, payload, first[n] * sizeof *copy);
+    reorder(n, order, first, copy, count, payload);
   }
-  for (int i = 0; status == PART_OK && i < dem->store->local; i++) {
-    const place key = {dem_id(dem, i), 0, 0};
-    const place *found = bsearch(&key, places, (size_t)dem->store->local, sizeof *places, by_id);
-    count[i] = found->count;
-    memcpy(entries, copy + found->first, (size_t)found->count * sizeof *entries);
-    entries += found->count;
-  }
-  free(places);
+  free(order);
+  free(first);
   free(copy);
   return status;
 }

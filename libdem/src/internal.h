@@ -101,10 +101,13 @@ struct dem_t {
   dem_fast fast;
   double time, stable_step;
   double r_max, r_mean, skin;
-  double *mass_of;     /* [materials] kg, own free particles */
-  double *gravity_now; /* [materials][3] m/s2, mean over the present half step */
-  double *x_built;     /* [3 local] where particles were when the lists were built */
-  double travel;       /* m, bound of the largest displacement of any particle since then */
+  double skin_most;         /* m, largest that adapt_skin may choose */
+  long long substeps_built; /* substeps when the lists were built */
+  int64_t listed;           /* pairs then, of all ranks */
+  double *mass_of;          /* [materials] kg, own free particles */
+  double *gravity_now;      /* [materials][3] m/s2, mean over the present half step */
+  double *x_built;          /* [3 local] where particles were when the lists were built */
+  double travel;            /* m, bound of the largest displacement of any particle since then */
 
   double wall_force[3], support_force[3]; /* N, on own movable particles, now */
   dem_sum wall_impulse, support_impulse, gravity_impulse, fluid_impulse;

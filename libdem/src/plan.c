@@ -127,6 +127,21 @@ static int walk_contacts(dem_t *dem, const scene *s, int pairs, double *least) {
   return PART_OK;
 }
 
+/* First skin, and the largest: a fifth of a diameter, less where a periodic box is too short for
+ * ghosts that far. A restart goes on with the skin it had. */
+static void set_skin(dem_t *dem) {
+  const double first = dem->params.skin_fraction * dem->r_mean;
+  dem->skin_most = 0.4 * dem->r_mean;
+  for (int c = 0; c < 3; c++)
+    if (dem->box.periodic[c])
+      dem->skin_most =
+          fmin(dem->skin_most, 0.49 * (dem->box.hi[c] - dem->box.lo[c]) - 2.0 * dem->r_max);
+  dem->skin_most = fmax(dem->skin_most, first);
+  if (!dem->restored || !dem->params.skip)
+    dem->skin = first;
+  dem->substeps_built = dem->substeps;
+}
+
 static int work_out(dem_t *dem, const scene *s) {
   dem_plan *plan = &dem->plan;
   const int all = !dem->params.skip, movable = s->free + s->blocks > 0.0;
@@ -135,7 +150,7 @@ static int work_out(dem_t *dem, const scene *s) {
   dem->r_max = s->r_max;
   if (!dem->restored) /* a sum over ranks has other bits on other ranks: the file has it */
     dem->r_mean = s->r_sum / (double)dem->total;
-  dem->skin = dem->params.skin_fraction * dem->r_mean;
+  set_skin(dem);
   PART_TRY(set_coefs(dem));
   plan->tangential = all;
   PART_TRY(walk_contacts(dem, s, pairs, &least));

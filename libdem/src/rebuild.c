@@ -5,6 +5,9 @@
 /* Own particles of the largest rank above the mean before balancing is worth it. */
 static const double worth_balancing = 16.0;
 
+/* Substeps after which lists that still hold are made again when their skin is far too wide. */
+enum { skin_trial = 256 };
+
 /* New parts when the load has drifted. Depends on the positions alone, so that a restarted run
  * decides alike. */
 static int balance_parts(dem_t *dem, int balance) {
@@ -43,6 +46,20 @@ static int note_state(dem_t *dem) {
   return PART_OK;
 }
 
+/* Pairs of all ranks, each once. */
+static int count_listed(dem_t *dem) {
+  const part_pairs *pairs = dem->pairs;
+  dem->listed = 0;
+  for (int i = 0; i < pairs->rows; i++)
+    for (int k = pairs->start[i]; k < pairs->start[i + 1]; k++)
+      dem->listed +=
+          pairs->partner[k] < dem->store->local || dem_id(dem, i) < dem_id(dem, pairs->partner[k]);
+  if (dem->ranks > 1 &&
+      MPI_Allreduce(MPI_IN_PLACE, &dem->listed, 1, MPI_INT64_T, MPI_SUM, dem->comm) != MPI_SUCCESS)
+    return part_fail(PART_ERR_MPI, "a sum over ranks failed");
+  return PART_OK;
+}
+
 static int make_lists(dem_t *dem, const int *count, const void *payload) {
   if (dem->plan.pairs)
     PART_TRY(make_pairs(dem, count, payload));
@@ -51,8 +68,29 @@ static int make_lists(dem_t *dem, const int *count, const void *payload) {
   return note_state(dem);
 }
 
+/* The skin that costs least, from the way per substep since the lists were built. Per particle and
+ * substep, b s/d pairs are listed for a skin s, and 2 way/s lists are built, each as dear as K
+ * pairs: s^2 = 2 (K/b) d way. K/b is a round number from measurements of gas and bed; the optimum
+ * is flat. All that enters is the same on every rank, and is in restart files. */
+static double best_skin(const dem_t *dem) {
+  const double d = 2.0 * dem->r_mean, cost_ratio = 10.0;
+  const long long steps = dem->substeps - dem->substeps_built;
+  const double way = fmin(dem->travel, 0.5 * dem->skin) / (double)(steps > 0 ? steps : 1);
+  /* Where few pairs are near, lists cost little, and a wide skin lets dem_horizon look farther. */
+  if ((double)dem->listed < 0.25 * (double)dem->total)
+    return dem->skin_most;
+  return fmin(fmax(sqrt(2.0 * cost_ratio * d * way), 0.01 * d), dem->skin_most);
+}
+
+static void adapt_skin(dem_t *dem) {
+  if (dem->params.skip && dem->plan.pairs && dem->substeps > dem->substeps_built)
+    dem->skin = best_skin(dem);
+  dem->substeps_built = dem->substeps;
+}
+
 static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   int status = PART_OK;
+  adapt_skin(dem);
   const double reach = 2.0 * dem->r_max + dem->skin;
   if (*count == NULL && dem->plan.tangential)
     status = dem_history_gather(dem, count, payload);
@@ -68,7 +106,8 @@ static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   PART_TRY(part_agree(dem->comm, status));
   if (dem->plan.pairs)
     PART_TRY(part_domain_ghosts(dem->domain, dem->store, reach));
-  return part_agree(dem->comm, make_lists(dem, *count, *payload));
+  PART_TRY(part_agree(dem->comm, make_lists(dem, *count, *payload)));
+  return dem->plan.pairs ? count_listed(dem) : PART_OK;
 }
 
 int dem_rebuild(dem_t *dem, int balance, int *count, void *payload) {
@@ -110,16 +149,19 @@ int dem_refresh(dem_t *dem, double way) {
   const double limit = dem->plan.pairs || dem->plan.walls ? 0.5 * dem->skin : dem->r_mean;
   part_timers_start(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
   /* The bound costs nothing; only when it says maybe, every particle is looked at. */
+  const int trial =
+      dem->plan.pairs && dem->params.skip && dem->substeps - dem->substeps_built == skin_trial;
   double travel = way >= 0.0 ? dem->travel + max_over_ranks(dem, way) : HUGE_VAL;
-  if (!(travel <= limit)) {
+  if (!(travel <= limit) || trial) {
     travel = moved(dem);
     if (!(travel <= limit))
       travel = HUGE_VAL; /* NaN is not passed on reliably by MPI_MAX */
     travel = max_over_ranks(dem, travel);
   }
   dem->travel = travel;
+  const int rebuild_now = !(travel <= limit) || (trial && best_skin(dem) < 0.7 * dem->skin);
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
-  if (!(travel <= limit))
+  if (rebuild_now)
     return dem_rebuild(dem, 0, NULL, NULL);
   if (!dem->plan.pairs)
     return PART_OK;

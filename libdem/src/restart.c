@@ -18,7 +18,7 @@ static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
                                        (double)dem->rebuilds,
                                        (double)dem->generation,
                                        (double)dem->ranks,
-                                       0.0,
+                                       dem->skin,
                                        0.0};
   memcpy(value, packed, sizeof packed);
 }
@@ -253,6 +253,7 @@ static int unpack_state(dem_t *dem, const char *path, const double *value) {
   dem->rebuilds = (long long)value[7] - 1; /* dem_start rebuilds once more than the writing run */
   dem->generation = (long long)value[8] - 1;
   dem->restored_elsewhere = (int)value[9] != dem->ranks;
+  dem->skin = value[10];
   return PART_OK;
 }
 

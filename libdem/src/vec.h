@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Several pairs at once: one value of each of DEM_WIDTH pairs (lanes) as a type with + - * /. A file sets
- * DEM_WIDTH to 8 (AVX-512), 4 (AVX2 with FMA) or nothing (1, plain double) before its first
- * include; what is written with these names then compiles for any width.
+/* Several pairs at once: one value of each of DEM_WIDTH pairs (lanes) as a type with + - * /. A
+ * file sets DEM_WIDTH to 8 (AVX-512), 4 (AVX2 with FMA) or nothing (1, plain double) before its
+ * first include; what is written with these names then compiles for any width.
  *
  * A function of lanes must give a lane the same bits whatever the others hold: a branch that any
  * lane takes changes only the lanes that asked for it (vec_choose). So nothing depends on how pairs

@@ -39,12 +39,25 @@ static void sort_cells(size_t n, uint64_t cells, sort_item **items, sort_item **
   }
 }
 
+/* Cells hold few points. */
+static void insert_ids(size_t n, sort_item *items) {
+  for (size_t k = 1; k < n; k++) {
+    const sort_item one = items[k];
+    size_t at = k;
+    for (; at > 0 && items[at - 1].id > one.id; at--)
+      items[at] = items[at - 1];
+    items[at] = one;
+  }
+}
+
 static void sort_ids(size_t n, sort_item *items) {
   for (size_t k = 0, end; k < n; k = end) {
     for (end = k + 1; end < n && items[end].cell == items[k].cell;)
       end++;
-    if (end - k > 1)
+    if (end - k > 16)
       qsort(items + k, end - k, sizeof *items, by_id);
+    else
+      insert_ids(end - k, items + k);
   }
 }
 
@@ -69,9 +82,9 @@ static void fill_items(const part_store *store, const part_box *box, const int n
   }
 }
 
-int part_sort_by_cell(part_store *store, const part_box *box, double cell) {
+int part_sort_order(const part_store *store, const part_box *box, double cell, int *order) {
   const size_t count = (size_t)store->local;
-  int n[3], *order = NULL;
+  int n[3];
   sort_item *items = NULL, *other = NULL;
   if (!(cell > 0.0))
     return part_fail(PART_ERR_RANGE, "cell of %g m is not in (0, inf)", cell);
@@ -83,18 +96,25 @@ int part_sort_by_cell(part_store *store, const part_box *box, double cell) {
   int status = part_allocate(count, sizeof *items, &items);
   if (status == PART_OK)
     status = part_allocate(count, sizeof *other, &other);
-  if (status == PART_OK)
-    status = part_allocate(count, sizeof *order, &order);
   if (status == PART_OK) {
     fill_items(store, box, n, items);
     sort_cells(count, (uint64_t)n[0] * (uint64_t)n[1] * (uint64_t)n[2], &items, &other);
     sort_ids(count, items);
     for (size_t k = 0; k < count; k++)
       order[k] = items[k].index;
-    status = part_store_permute(store, order);
   }
   free(items);
   free(other);
+  return status;
+}
+
+int part_sort_by_cell(part_store *store, const part_box *box, double cell) {
+  int *order = NULL;
+  int status = part_allocate((size_t)store->local, sizeof *order, &order);
+  if (status == PART_OK)
+    status = part_sort_order(store, box, cell, order);
+  if (status == PART_OK)
+    status = part_store_permute(store, order);
   free(order);
   return status;
 }

@@ -29,6 +29,9 @@ void part_pairs_destroy(part_pairs *pairs);
 /* Own particles in the order of the cells of a grid of edge >= cell (m) (x fastest), within a cell
  * by id: a canonical order, the same whatever the order before. Pairs and ghosts are dropped. */
 int part_sort_by_cell(part_store *store, const part_box *box, double cell);
+/* That order alone, for part_store_permute and for what comes along: order[k] is the present index
+ * of what becomes particle k; [store->local]. */
+int part_sort_order(const part_store *store, const part_box *box, double cell, int *order);
 
 /* List all pairs with |x_i - x_j| < r_i + r_j + skin between own particles and between own and
  * ghost ones (ghosts must reach 2 r_max + skin). radius_field: index of the radius. Partners are
