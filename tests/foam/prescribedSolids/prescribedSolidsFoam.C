@@ -14,6 +14,7 @@
 #include "pimpleControl.H"
 #include "uniformDimensionedFields.H"
 
+#include "foamParams.H"
 #include "mixtureFields.H"
 #include "mixtureScheme.H"
 #include "prescribedSolids.H"
