@@ -68,7 +68,8 @@ DEM_ALWAYS_INLINE void one_pair(const loop *in, int i, int j, double d2, const d
   dem_touch touch;
   double force[3], torque[3] = {0.0, 0.0, 0.0};
   touch.overlap = ri + rj - distance;
-  touch.root_mass = 1.0 / sqrt(inverse_mass(in, i, j));
+  touch.inverse_root = sqrt(inverse_mass(in, i, j));
+  touch.root_mass = 1.0 / touch.inverse_root;
   touch.touches = 1;
   for (int c = 0; c < 3; c++)
     touch.n[c] = d[c] * inverse;

@@ -24,6 +24,7 @@ void dem_fast_choose(dem_t *dem) {
   dem_fast *fast = &dem->fast;
   fast->kernels = NULL;
   fast->law = dem_common_law(dem);
+  fast->equal = dem->materials == 1 && dem->r_max == dem->r_min;
   if (!dem->params.skip || !dem->plan.all_free || !dem->plan.pairs || fast->law < 0)
     return;
   for (int k = 0; k < 2 && fast->kernels == NULL; k++)
@@ -154,6 +155,7 @@ void dem_fast_leave(dem_t *dem) {
 
 static dem_lanes lanes_of(const dem_t *dem, double dt) {
   const dem_fast *fast = &dem->fast;
+  const int any = dem->store->local > 0;
   return (dem_lanes){.xr = dem_xr(dem),
                      .vm = dem_vm(dem),
                      .ft = dem_ft(dem),
@@ -164,6 +166,10 @@ static dem_lanes lanes_of(const dem_t *dem, double dt) {
                      .coefs = dem->coefs,
                      .materials = dem->materials,
                      .tangential = dem->plan.tangential,
+                     .equal = fast->equal,
+                     .reach = any ? 2.0 * dem_xr(dem)[3] : 0.0,
+                     .inverse = any ? 2.0 * dem_vm(dem)[3] : 0.0,
+                     .fetch_to = fast->pairs - DEM_FETCH_AHEAD,
                      .dt = dt};
 }
 

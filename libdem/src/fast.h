@@ -16,7 +16,7 @@
 
 #include <stddef.h>
 
-enum { DEM_BLOCK_PAIRS = 8, DEM_CHUNK_PAIRS = 256 };
+enum { DEM_BLOCK_PAIRS = 8, DEM_CHUNK_PAIRS = 256, DEM_FETCH_AHEAD = 32 };
 
 struct dem_coefs;
 
@@ -29,6 +29,10 @@ typedef struct dem_lanes {
   unsigned char *was; /* [blocks] sparse only: pairs whose spring may not be zero */
   const struct dem_coefs *coefs;
   int materials, tangential;
+  int equal;      /* one material and one radius: what follows from them is known beforehand */
+  double reach;   /* m, sum of radii; equal only */
+  double inverse; /* 1/kg, sum of inverse masses; equal only */
+  int fetch_to;   /* below this pair, fetch the records of the pair DEM_FETCH_AHEAD farther on */
   double dt;
 } dem_lanes;
 
@@ -59,6 +63,7 @@ typedef struct dem_fast {
   int limit;                  /* widest vector allowed, 0: any */
   const dem_kernels *kernels; /* NULL: plain loop */
   int law;
+  int equal; /* see dem_lanes; the same on every rank */
   int spins; /* records hold r omega and torque/r */
   int sparse;
   int pairs; /* padded */

@@ -46,10 +46,12 @@ INLINE dem_lane_coefs coefs_of(const dem_lanes *in, vec pair, vec_mask touches) 
 /* One block of pairs. With m = m_i, m_j and arms r_i, r_j times share = |d|/(r_i + r_j):
  *   v = v_i - v_j - share (u_i + u_j) x n,   torque_i/r_i = torque_j/r_j = -share n x F */
 INLINE void block(const dem_lanes *in, const int *i, const int *j, double *const spring[3],
-                  law_function *law, int tangential) {
+                  law_function *law, int tangential, int equal) {
   vec d[4], v[8], s[3], f[8];
   dem_touch touch;
   const vec d2 = separation(in->xr, i, j, d);
+  if (equal)
+    d[3] = vec_all(in->reach);
   touch.touches = touching(d2, d[3]);
   if (!vec_bits(touch.touches)) {
     if (tangential)
@@ -58,11 +60,19 @@ INLINE void block(const dem_lanes *in, const int *i, const int *j, double *const
     return;
   }
   load_8(in->vm, i, j, sign_8(-1.0, 1.0, in->materials), v);
-  const vec distance = vec_sqrt(d2), root = vec_sqrt(v[3]);
-  /* 1/distance, 1/root and 1/reach from one division. */
-  const vec product = distance * root, rest = vec_all(1.0) / (product * d[3]);
-  const vec inverse = rest * root * d[3], share = distance * (rest * product);
-  touch.root_mass = rest * distance * d[3];
+  const vec distance = vec_sqrt(d2), root = vec_sqrt(equal ? vec_all(in->inverse) : v[3]);
+  vec inverse, share;
+  if (equal) { /* root and its inverse stay out of the loop */
+    inverse = vec_all(1.0) / distance;
+    share = distance * vec_all(1.0 / in->reach);
+    touch.root_mass = vec_all(1.0) / root;
+  } else { /* three inverses from one division */
+    const vec product = distance * root, rest = vec_all(1.0) / (product * d[3]);
+    inverse = rest * root * d[3];
+    share = distance * (rest * product);
+    touch.root_mass = rest * distance * d[3];
+  }
+  touch.inverse_root = root;
   touch.overlap = d[3] - distance;
   for (int c = 0; c < 3; c++) {
     touch.n[c] = d[c] * inverse;
@@ -93,18 +103,32 @@ INLINE void block(const dem_lanes *in, const int *i, const int *j, double *const
   add_8(in->ft, i, j, sign_8(-1.0, 0.0, 0.0), f);
 }
 
-INLINE void dense_loop(const dem_lanes *in, int from, int to, law_function *law, int tangential) {
+/* Records of the partners of a later block. */
+INLINE void fetch(const dem_lanes *in, const int *j) {
+  for (int k = 0; k < DEM_WIDTH; k++) {
+    __builtin_prefetch(in->xr + 4 * (long)j[k], 0);
+    __builtin_prefetch(in->vm + 8 * (long)j[k], 0);
+    __builtin_prefetch(in->ft + 8 * (long)j[k], 1);
+  }
+}
+
+INLINE void dense_loop(const dem_lanes *in, int from, int to, law_function *law, int tangential,
+                       int equal) {
   for (int k = from; k < to; k += DEM_WIDTH) {
+    if (k < in->fetch_to)
+      fetch(in, in->j + k + DEM_FETCH_AHEAD);
     double *const spring[3] = {in->spring[0] + k, in->spring[1] + k, in->spring[2] + k};
-    block(in, in->i + k, in->j + k, spring, law, tangential);
+    block(in, in->i + k, in->j + k, spring, law, tangential, equal);
   }
 }
 
 INLINE void run_dense(const dem_lanes *in, int from, int to, law_function *law) {
-  if (in->tangential)
-    dense_loop(in, from, to, law, 1);
+  if (in->tangential && in->equal)
+    dense_loop(in, from, to, law, 1, 1);
+  else if (in->tangential)
+    dense_loop(in, from, to, law, 1, 0);
   else
-    dense_loop(in, from, to, law, 0);
+    dense_loop(in, from, to, law, 0, 0);
 }
 
 /* Bits of the 8 pairs from k that touch. */
@@ -155,6 +179,7 @@ INLINE void run_sparse(const dem_lanes *in, int from, int to, law_function *law)
   dem_lanes packed_lanes = *in;
   packed_lanes.i = p.i;
   packed_lanes.j = p.j;
+  packed_lanes.fetch_to = 0;
   for (int c = 0; c < 3; c++)
     packed_lanes.spring[c] = p.spring[c];
   run_dense(&packed_lanes, 0, p.count, law);

@@ -100,7 +100,7 @@ struct dem_t {
   dem_plan plan;
   dem_fast fast;
   double time, stable_step;
-  double r_max, r_mean, skin;
+  double r_min, r_max, r_mean, skin;
   double skin_most;         /* m, largest that adapt_skin may choose */
   long long substeps_built; /* substeps when the lists were built */
   int64_t listed;           /* pairs then, of all ranks */

@@ -26,6 +26,7 @@ typedef struct dem_touch {
   vec overlap;      /* m, > 0 */
   vec v[3];         /* m/s, surface velocity of i minus that of the partner, at the contact point */
   vec root_mass;    /* kg^1/2, sqrt(m_eff), 1/m_eff = 1/m_i + 1/m_j */
+  vec inverse_root; /* one over it */
   vec_mask touches; /* other lanes may hold anything */
 } dem_touch;
 

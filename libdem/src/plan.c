@@ -12,7 +12,7 @@ typedef struct presence {
 } presence;
 
 typedef struct scene {
-  double free, fixed, blocks, r_max, r_sum;
+  double free, fixed, blocks, r_max, r_sum, r_min;
   presence *of; /* [materials] */
 } scene;
 
@@ -32,6 +32,7 @@ static void survey_own(const dem_t *dem, scene *s) {
     presence *p = &s->of[dem_material_of(dem, i)];
     s->r_sum += r;
     s->r_max = fmax(s->r_max, r);
+    s->r_min = fmin(s->r_min, r);
     if (dem_kind_of(dem, i) == DEM_FIXED) {
       p->fixed = s->fixed = 1.0;
     } else {
@@ -45,12 +46,12 @@ static void survey_own(const dem_t *dem, scene *s) {
 
 static int join_ranks(const dem_t *dem, scene *s, double *all) {
   const int n = dem->materials;
-  double sums[2] = {s->free, s->r_sum}, most[2] = {s->fixed, s->r_max};
+  double sums[2] = {s->free, s->r_sum}, most[3] = {s->fixed, s->r_max, -s->r_min};
   MPI_Allgather(s->of, (int)sizeof(presence) * n, MPI_BYTE, all, (int)sizeof(presence) * n,
                 MPI_BYTE, dem->comm);
   MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, dem->comm);
-  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, dem->comm);
-  *s = (scene){sums[0], most[0], 0.0, most[1], sums[1], s->of};
+  MPI_Allreduce(MPI_IN_PLACE, most, 3, MPI_DOUBLE, MPI_MAX, dem->comm);
+  *s = (scene){sums[0], most[0], 0.0, most[1], sums[1], -most[2], s->of};
   memset(s->of, 0, (size_t)n * sizeof *s->of);
   for (int k = 0; k < n * dem->ranks; k++) {
     presence *p = &s->of[k % n], q;
@@ -148,6 +149,7 @@ static int work_out(dem_t *dem, const scene *s) {
   const int pairs = movable && s->free + s->blocks + s->fixed >= 2.0;
   double least = HUGE_VAL;
   dem->r_max = s->r_max;
+  dem->r_min = s->r_min;
   if (!dem->restored) /* a sum over ranks has other bits on other ranks: the file has it */
     dem->r_mean = s->r_sum / (double)dem->total;
   set_skin(dem);
@@ -165,7 +167,7 @@ static int work_out(dem_t *dem, const scene *s) {
 }
 
 int dem_make_plan(dem_t *dem) {
-  scene s = {0};
+  scene s = {.r_min = HUGE_VAL};
   int status = dem_allocate((size_t)dem->materials, sizeof *s.of, &s.of);
   PART_TRY(part_agree(dem->comm, status));
   status = survey(dem, &s);

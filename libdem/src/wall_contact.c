@@ -112,8 +112,8 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
   dem_touch touch;
   memcpy(touch.n, n, sizeof touch.n);
   /* Its own mass in a block, too: see blocks.c. */
-  touch.root_mass =
-      dem_kind_of(dem, i) == DEM_FREE ? 1.0 / sqrt(vm[3]) : sqrt(dem_own_mass(dem, i));
+  touch.inverse_root = sqrt(dem_kind_of(dem, i) == DEM_FREE ? vm[3] : 1.0 / dem_own_mass(dem, i));
+  touch.root_mass = 1.0 / touch.inverse_root;
   touch.touches = 1;
   /* See fast.h for the units of spin and torque. */
   const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3], unit = dem->fast.spins ? 1.0 / r : 1.0;

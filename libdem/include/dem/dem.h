@@ -51,7 +51,7 @@ typedef struct dem_params {
   double ramp_time;          /* s; Markauskas et al. 2017 eq. 3-4; 0: no ramp */
   double ramp_fluid_density; /* kg/m3, rho_f of eq. 3; needed with ramp_time > 0 */
   double time_step_fraction; /* of the shortest contact time, default 1/50 */
-  double skin_fraction;      /* Verlet skin over the mean radius */
+  double skin_fraction;      /* Verlet skin over the mean radius, to begin with */
   double max_overlap;        /* of the smaller radius: ERR_OVERLAP at insertion, reported later */
   double balance_ratio;      /* repartition when largest/mean particle number exceeds it */
   int skip;                  /* 1: leave out what the scene does not need (scene plan) */

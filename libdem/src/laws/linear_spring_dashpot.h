@@ -38,10 +38,49 @@ static inline double dem_law_linear_spring_dashpot_time(const dem_coefs *coefs,
   return pi / sqrt(inverse_mass * (k_t > coefs->k_n ? k_t : coefs->k_n));
 }
 
-/* Rotate the spring into the contact plane, its length kept, and stretch it by v_t dt. Where the
+/* Normal force (N) for the step from half a step ago to half a step ahead; v_n is the velocity
+ * half a step ago, so dt v_n is how the overlap shrank since the last step, exactly.
+ *
+ * Damping goes with the mean velocity over the step, v_n + dt F_n/(2 m_eff): second order.
+ *
+ * Contacts begin and end inside a step. With the velocity v of that event, s = delta/(|v| dt) steps
+ * lie between it and now. The steps at s and s + 1 (0 < s < 1) then have to give together the
+ * damping of s + 3/2 steps, and the spring that of the integral of the overlap over this time,
+ * |v| dt^2 ((s + 1/2)^2/2 + s + 1). They do so with the weights
+ *   damping  w(s) = 3/2 s for s < 1, 2 - s/2 for 1 < s < 2
+ *   overlap  s + s^2/4 - s/8,  s + (2 - s)(3/8 - s/4)
+ * which are continuous and vanish at s = 0, so that nothing depends on which side of an event a
+ * step falls. Restitution then does not depend on where in a step two bodies meet, but for dt^2.
+ *
+ * *since: time (s) that the contact has existed of the last step, for the tangential spring. */
+static inline vec dem_law_normal(const dem_lane_coefs *coefs, const dem_touch *touch, vec v_n,
+                                 double dt, vec *since) {
+  const vec h = vec_all(dt), overlap = touch->overlap, c_n = coefs->c_n * touch->root_mass;
+  const vec speed_up = h * touch->inverse_root;
+  const vec lag = vec_all(0.5) * coefs->c_n * speed_up;   /* c_n dt/(2 m_eff) */
+  const vec damped = vec_all(1.0) / (vec_all(1.0) + lag); /* the same for all of equal spheres */
+  const vec f_n = (coefs->k_n * overlap - c_n * v_n) * damped;
+  const vec after = v_n + speed_up * touch->inverse_root * f_n;
+  const vec way = h * vec_max(-v_n, after);
+  const vec_mask edge = vec_both(touch->touches, vec_less(overlap, way + way));
+  *since = h;
+  if (!vec_bits(edge))
+    return f_n;
+  const vec s = overlap / way, two = vec_all(2.0) - s;
+  const vec_mask first = vec_less(s, vec_all(1.0));
+  const vec w = vec_choose(first, vec_all(1.5) * s, vec_all(1.0) + vec_all(0.5) * two);
+  const vec more = vec_choose(first, s * (vec_all(0.25) * s - vec_all(0.125)),
+                              two * (vec_all(0.375) - vec_all(0.25) * s));
+  const vec part = (coefs->k_n * way * (s + more) - w * c_n * v_n) / (vec_all(1.0) + w * lag);
+  *since = vec_choose(vec_both(edge, vec_both(first, vec_less(v_n, vec_all(0.0)))), s * h, h);
+  return vec_choose(edge, part, f_n);
+}
+
+/* Rotate the spring into the contact plane, its length kept, and stretch it by v_t times
+ * the time. Where the
  * turn would change the length by less than half a rounding error, the length is left alone: with
  * a = s_n/|s| it is a^2/2. */
-static inline void dem_law_spring(const dem_touch *touch, const vec v_t[3], double dt,
+static inline void dem_law_spring(const dem_touch *touch, const vec v_t[3], vec since,
                                   vec spring[3]) {
   const vec *n = touch->n;
   const vec s2 = spring[0] * spring[0] + spring[1] * spring[1] + spring[2] * spring[2];
@@ -56,7 +95,7 @@ static inline void dem_law_spring(const dem_touch *touch, const vec v_t[3], doub
       spring[c] = vec_choose(turns, scale * spring[c], spring[c]);
   }
   for (int c = 0; c < 3; c++)
-    spring[c] += v_t[c] * vec_all(dt);
+    spring[c] += v_t[c] * since;
 }
 
 static inline void dem_law_linear_spring_dashpot(const dem_lane_coefs *coefs,
@@ -64,7 +103,8 @@ static inline void dem_law_linear_spring_dashpot(const dem_lane_coefs *coefs,
                                                  vec spring[3], vec force[3]) {
   const vec *n = touch->n, *v = touch->v;
   const vec v_n = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
-  const vec f_n = coefs->k_n * touch->overlap - coefs->c_n * touch->root_mass * v_n;
+  vec since;
+  const vec f_n = dem_law_normal(coefs, touch, v_n, dt, &since);
   for (int c = 0; c < 3; c++)
     force[c] = f_n * n[c];
   if (!tangential)
@@ -74,7 +114,7 @@ static inline void dem_law_linear_spring_dashpot(const dem_lane_coefs *coefs,
   vec v_t[3], f_t[3];
   for (int c = 0; c < 3; c++)
     v_t[c] = v[c] - v_n * n[c];
-  dem_law_spring(touch, v_t, dt, spring);
+  dem_law_spring(touch, v_t, since, spring);
   for (int c = 0; c < 3; c++)
     f_t[c] = -coefs->k_t * spring[c] - c_t * v_t[c];
   const vec f2 = f_t[0] * f_t[0] + f_t[1] * f_t[1] + f_t[2] * f_t[2];
