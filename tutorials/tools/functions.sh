@@ -30,7 +30,7 @@ caseOptions() {
         case $RANKS in '' | *[!0-9]* | 0) fail "-parallel needs a number of ranks, not '$RANKS'" ;; esac
         shift 2 ;;
       -noPlot) PLOT=0; shift ;;
-      -h | -help | --help) sed -n '/^#!/d;/^#/!q;/SPDX/d;s/^# \{0,1\}//p' "$0"; exit 0 ;;
+      -h | -help | --help) sed -n '/^#!/d;/^#/!q;/SPDX/d;/^#$/d;s/^# //p' "$0"; exit 0 ;;
       *) fail "unknown option '$1'; valid: -parallel N, -noPlot, -h" ;;
     esac
   done
