@@ -19,6 +19,7 @@ CELL = 0.016         # cells of Markauskas et al.'s porous blocks
 PITCH = CELL / 3     # of their sphere lattice
 DIAMETER = 4e-3
 GRAVITY = 9.81
+SPHERE = math.pi / 6 * DIAMETER ** 3
 
 
 def case_path(name):
@@ -100,6 +101,18 @@ def lattice(count, bottom, kind='fixed', corner=(0.0, 0.0), diameter=DIAMETER, p
     return {'method': 'lattice', 'kind': kind, 'material': 'glass', 'diameter': diameter,
             'origin': (corner[0] + pitch / 2, corner[1] + pitch / 2, bottom + pitch / 2),
             'spacing': (pitch, pitch, pitch), 'count': count}
+
+
+def cap(height, r):
+    """Volume of the part of a sphere below height above its centre."""
+    h = min(max(height + r, 0.0), 2 * r)
+    return math.pi * h * h * (3 * r - h) / 3
+
+
+def sphere_weights(layers, bottom, faces):
+    """[layers][cells]: share of a sphere of each layer of a lattice (see there) between the planes z = faces."""
+    below = [[cap(z - (bottom + (k + 0.5) * PITCH), DIAMETER / 2) for z in faces] for k in range(layers)]
+    return np.diff(below, axis=1) / SPHERE
 
 
 def floor(z=0.0):
