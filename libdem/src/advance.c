@@ -51,10 +51,8 @@ static int substep(dem_t *dem, double t, double h, int fluid) {
   dem_free_kick_drift(dem, t, h, fluid);
   if (dem->plan.blocks)
     dem_blocks_kick_drift(dem, t, h);
-  dem_fast_enter(dem);
   PART_TRY(dem_refresh(dem, -1.0));
   PART_TRY(dem_forces(dem, h));
-  dem_fast_leave(dem);
   add_impulses(dem, 0.5 * h);
   dem_free_kick(dem, t + 0.5 * h, h, fluid);
   if (dem->plan.blocks)
@@ -69,7 +67,6 @@ static int fused_substeps(dem_t *dem, double t0, double h, int n) {
   double way;
   add_impulses(dem, 0.5 * h);
   dem_free_kick_drift(dem, t0, h, 0);
-  dem_fast_enter(dem);
   PART_TRY(dem_refresh(dem, -1.0));
   dem_no_forces(dem);
   for (int s = 0; s < n - 1; s++) {
@@ -84,7 +81,6 @@ static int fused_substeps(dem_t *dem, double t0, double h, int n) {
   }
   PART_TRY(dem_forces(dem, h));
   add_impulses(dem, 0.5 * h);
-  dem_fast_leave(dem);
   dem_free_kick(dem, t0 + (n - 0.5) * h, h, 0);
   dem->substeps++;
   return PART_OK;
@@ -134,7 +130,10 @@ static int run(dem_t *dem, double dt, int n, int fluid) {
   if (!dem->plan.movable && dem->params.skip)
     n = 0;
   const int fused = dem->fast.kernels != NULL && !fluid && n > 0;
-  PART_TRY(fused ? fused_substeps(dem, t0, h, n) : plain_substeps(dem, t0, h, n, fluid));
+  dem_fast_enter(dem);
+  const int status = fused ? fused_substeps(dem, t0, h, n) : plain_substeps(dem, t0, h, n, fluid);
+  dem_fast_leave(dem);
+  PART_TRY(status);
   dem->time = t0 + dt;
   if (dem->plan.blocks)
     PART_TRY(dem_blocks_end(dem, dt));

@@ -214,6 +214,20 @@ static int choose(part_domain *domain, const part_store *store, const part_regio
   return status;
 }
 
+/* Whole cache lines and halves of them, which the compiler copies in registers, or any size. */
+static void copy_items(int n, const int *item, size_t bytes, const unsigned char *from,
+                       unsigned char *to) {
+  if (bytes == 64)
+    for (int k = 0; k < n; k++, to += 64)
+      memcpy(to, from + (size_t)item[k] * 64, 64);
+  else if (bytes == 32)
+    for (int k = 0; k < n; k++, to += 32)
+      memcpy(to, from + (size_t)item[k] * 32, 32);
+  else
+    for (int k = 0; k < n; k++, to += bytes)
+      memcpy(to, from + (size_t)item[k] * bytes, bytes);
+}
+
 /* Copies of the records taken, from the originals into the ghosts. On one rank straight from
  * particle to particle. */
 static int refresh(part_domain *domain, part_store *store, const unsigned char *take) {
@@ -239,8 +253,7 @@ static int refresh(part_domain *domain, part_store *store, const unsigned char *
     const size_t bytes = (size_t)layout->records[r].width * 8;
     unsigned char *from = (unsigned char *)store->record[r];
     unsigned char *to = from + (size_t)store->local * bytes;
-    for (int k = 0; k < plan->count; k++, to += bytes)
-      memcpy(to, from + (size_t)plan->item[k] * bytes, bytes);
+    copy_items(plan->count, plan->item, bytes, from, to);
   }
   const size_t width = (size_t)layout->records[0].width;
   double *ghost = part_record_double(store, 0) + (size_t)store->local * width;
