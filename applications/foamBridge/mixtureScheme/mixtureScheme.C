@@ -418,7 +418,8 @@ void mixtureScheme::reaction
 {
   const surfaceScalarField lacking
   (
-    (1 - pressureFactor_)*pressureForce - ((dragExplicit_ & mesh_.Sf()) - Kf_*phi)
+    (1 - pressureFactor_)*(pressureForce + (body_ & mesh_.Sf()))
+  - ((dragExplicit_ & mesh_.Sf()) - Kf_*phi)
   );
   const volVectorField known(D_*(1 - eps_)*vp_ + G_);
   const volScalarField ratio((1 - eps_)/eps_);
@@ -427,8 +428,11 @@ void mixtureScheme::reaction
   const labelUList& nei = mesh_.neighbour();
 
   drag = damped.primitiveField()*mesh_.V();
+  // Model A: the body acceleration drives the fluid with eps of the faces, harmonic, whose sum is not
+  // that of the cells. So of the pressure it causes, the solids get their volume's share by cells.
   volume.setSize(drag.size());
   volume = Zero;
+  if (model_ == modelA) volume -= (1 - eps_.primitiveField())*mesh_.V()*body_.value();
   auto share = [](scalar mine, scalar other)
   {
     return mine + other > VSMALL ? mine/(mine + other) : scalar(0);
