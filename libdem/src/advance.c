@@ -4,13 +4,16 @@
 #include <string.h>
 #include "internal.h"
 
-/* Does any own particle feel a fluid? Also clears the impulses of the last advance. */
+/* Does any own particle feel a fluid? Also clears the impulses of the last advance and keeps the
+ * velocities it begins with. */
 static int begin_fluid(dem_t *dem) {
   double *fluid = dem_fluid(dem);
+  double *before = part_record_double(dem->store, DEM_RECORD_BEFORE);
   int any = 0;
   for (int i = 0; i < dem->store->local; i++) {
     double *f = fluid + DEM_FLUID * (size_t)i;
     f[4] = f[5] = f[6] = 0.0;
+    memcpy(before + 4 * (size_t)i, dem_vm(dem) + DEM_VM * (size_t)i, 3 * sizeof *before);
     any |= f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0 || f[3] != 0.0;
   }
   return any || !dem->params.skip;
@@ -142,15 +145,6 @@ static int run(dem_t *dem, double dt, int n, int fluid) {
   return part_agree(dem->comm, check_state(dem));
 }
 
-/* The velocities of this end and of the one before, for accelerations over whole steps. */
-static void keep_ends(dem_t *dem) {
-  double *ends = part_record_double(dem->store, DEM_RECORD_ENDS);
-  for (size_t i = 0; i < (size_t)dem->store->local; i++) {
-    memcpy(ends + 8 * i + 4, ends + 8 * i, 3 * sizeof *ends);
-    memcpy(ends + 8 * i, dem_vm(dem) + DEM_VM * i, 3 * sizeof *ends);
-  }
-}
-
 int dem_advance(dem_t *dem, double dt, int *substeps) {
   int n;
   if (substeps != NULL)
@@ -172,9 +166,7 @@ int dem_advance(dem_t *dem, double dt, int *substeps) {
   feholdexcept(&environment);
   const int status = run(dem, dt, n, fluid);
   fesetenv(&environment);
-  PART_TRY(status);
-  keep_ends(dem);
-  return PART_OK;
+  return status;
 }
 
 int dem_kick(dem_t *dem, const double *impulse) {

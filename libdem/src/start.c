@@ -25,8 +25,6 @@ static int fill_store(dem_t *dem) {
     const double inverse_mass = 1.0 / dem_own_mass(dem, at);
     v[3] = seed->kind == DEM_FREE ? inverse_mass : 0.0;
     dem_fluid(dem)[DEM_FLUID * (size_t)at + 7] = inverse_mass;
-    memcpy(part_record_double(dem->store, DEM_RECORD_ENDS) + 8 * (size_t)at, seed->v,
-           sizeof seed->v);
   }
   return PART_OK;
 }

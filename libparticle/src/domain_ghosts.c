@@ -127,6 +127,8 @@ static part_region find_core(const part_region *own, const ghost_target *targets
     int side = 0;
     for (int d = 0; d < 3; d++) {
       const double length = core.hi[d] - core.lo[d];
+      if (!(length > 0.0))
+        continue; /* all in one plane: this side can not give way */
       const double from = t->box.lo[d] - reach - t->shift[d],
                    to = t->box.hi[d] + reach - t->shift[d];
       const double lost_high = fmax(core.hi[d] - from, 0.0) / length;
