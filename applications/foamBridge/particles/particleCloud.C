@@ -144,12 +144,14 @@ void writeParticleCloud(const fvMesh& mesh, part_store* store, MPI_Comm comm)
     id[i] = label(rows[i].id);
     kind[i] = label(rows[i].kind);
   }
+  // A rank without particles writes no fields, as OpenFOAM writes no positions there
+  const bool any = rows.size() > 0;
   cloud.write();
-  U.write();
-  omega.write();
-  d.write();
-  id.write();
-  kind.write();
+  U.write(any);
+  omega.write(any);
+  d.write(any);
+  id.write(any);
+  kind.write(any);
 }
 
 } // namespace Foam

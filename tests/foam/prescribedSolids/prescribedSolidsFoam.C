@@ -101,10 +101,11 @@ int main(int argc, char* argv[])
     p = p_rgh + (g & mesh.C());
 
     const scalar dt = runTime.deltaTValue();
-    const surfaceScalarField body(scheme.pressureFactor()*(bodyAcceleration & mesh.Sf()));
     scheme.reaction(phi, pressureForce, damped, drag, ofVolume);
     gained += total(V*(j.primitiveField() - j.oldTime().primitiveField()));
-    given += dt*total(V*scheme.reconstruct(body)().primitiveField());
+    // By cells, also where the faces' eps is harmonic: reaction() gives the solids their cells' share
+    const scalarField driven(model == mixtureScheme::modelA ? scalarField(V*eps) : scalarField(V));
+    given += dt*total(driven*bodyAcceleration.value());
     pressed += dt*total(V*scheme.reconstruct(pressureForce)().primitiveField());
     taken += dt*total(drag + ofVolume);
 
