@@ -1,30 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Tangential history as a payload of the particles: what sorting, migration and restart carry.
- * Entries are those of part_pairs_gather; wall contacts have negative keys (walls.h). */
+/* What particles carry along when they are sorted, migrate or are written: the payload. Entries of
+ * pairs are those of part_pairs_gather; the others come from the carriers. */
 #include "internal.h"
 
-static int wall_entries(const dem_near *near) {
-  return near->n[0] != 0.0 || near->n[1] != 0.0 || near->n[2] != 0.0 ? 2 : 0;
-}
+static const dem_carrier *const carriers[] = {&dem_walls_carrier};
+enum { CARRIERS = sizeof carriers / sizeof carriers[0] };
 
-static void count_walls(const dem_walls *walls, int *count) {
-  for (int row = 0; row < walls->rows; row++)
-    for (int k = walls->start[row]; k < walls->start[row + 1]; k++)
-      count[walls->particle[row]] += wall_entries(&walls->near[k]);
-}
-
-static dem_entry *put_wall(const dem_walls *walls, int row, dem_entry *entry) {
-  for (int k = walls->start[row]; k < walls->start[row + 1]; k++) {
-    const dem_near *near = &walls->near[k];
-    const int64_t m = (int64_t)near->element * DEM_SHIFTS + near->shift;
-    if (wall_entries(near) == 0)
-      continue;
-    entry->key = -1 - 2 * m;
-    memcpy(entry++->value, near->spring, sizeof near->spring);
-    entry->key = -2 - 2 * m;
-    memcpy(entry++->value, near->n, sizeof near->n);
-  }
-  return entry;
+int dem_history_needed(const dem_t *dem) {
+  int needed = dem->plan.tangential;
+  for (int k = 0; k < CARRIERS && !needed; k++)
+    needed = carriers[k]->active(dem);
+  return needed;
 }
 
 static int by_key(const void *a, const void *b) {
@@ -44,15 +30,15 @@ static void sort_entries(dem_entry *entry, ptrdiff_t n) {
   }
 }
 
-/* Join the entries of pairs (NULL: none) and walls, particle by particle, sorted by key so that
- * nothing depends on the order of rows. */
+/* Join the entries of pairs (NULL: none) and of the carriers, particle by particle, sorted by key so
+ * that nothing depends on the order of rows. */
 static int join(const dem_t *dem, const int *pair_count, const dem_entry *pair, int *count,
                 dem_entry **entries) {
-  const dem_walls *walls = &dem->walls;
   const int n = dem->store->local;
   size_t total = 0;
-  int row = 0;
-  count_walls(walls, count);
+  for (int k = 0; k < CARRIERS; k++)
+    if (carriers[k]->active(dem))
+      carriers[k]->count(dem, count);
   for (int i = 0; i < n; i++) {
     count[i] += pair_count != NULL ? pair_count[i] : 0;
     total += (size_t)count[i];
@@ -66,8 +52,9 @@ static int join(const dem_t *dem, const int *pair_count, const dem_entry *pair, 
       to += pair_count[i];
       pair += pair_count[i];
     }
-    if (row < walls->rows && walls->particle[row] == i)
-      to = put_wall(walls, row++, to);
+    for (int k = 0; k < CARRIERS; k++)
+      if (carriers[k]->active(dem))
+        to = carriers[k]->put(dem, i, to);
     sort_entries(first, to - first);
   }
   return PART_OK;

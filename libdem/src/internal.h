@@ -187,12 +187,34 @@ int dem_rebuild(dem_t *dem, int balance, int *count, void *payload);
 /* Collective. After a drift by at most `way` (m, own particles of this rank; negative: not known):
  * refresh ghosts, or rebuild when particles may have left the lists. */
 int dem_refresh(dem_t *dem, double way);
-/* History of pairs and walls as one payload per own particle; entries of dem_entry. */
-int dem_history_gather(const dem_t *dem, int **count, void **payload);
+/* The payload: what particles carry along when they are sorted, migrate or are written, as entries
+ * of three doubles. The key says what it is: < 0 a wall contact (walls.h), else DEM_KEY of one of
+ * these kinds and a number < 2^56. A reader passes over keys that are not its own. */
+enum dem_key_kind {
+  DEM_KEY_PAIR,  /* number: id of the partner; what part_pairs_gather makes */
+  DEM_KEY_ROLL,  /* number: id of the partner; second half of a pair's data */
+  DEM_KEY_BOND,  /* number: id of the partner * 256 + part */
+  DEM_KEY_CLUMP, /* number: part */
+};
+#define DEM_KEY(kind, number) ((int64_t)(kind) << 56 | (int64_t)(number))
+#define DEM_KEY_KIND(key) ((int)((key) >> 56))
+#define DEM_KEY_NUMBER(key) ((key) & (((int64_t)1 << 56) - 1))
 typedef struct dem_entry {
-  int64_t key; /* >= 0: id of the partner; < 0: see walls.h */
+  int64_t key;
   double value[DEM_SPRING];
 } dem_entry;
+
+/* Something that puts entries into the payload. The same file takes them out again after the
+ * particles are in their new order (make_lists in rebuild.c). */
+typedef struct dem_carrier {
+  int (*active)(const dem_t *dem);              /* the same on every rank */
+  void (*count)(const dem_t *dem, int *count);  /* add own entries of each own particle */
+  dem_entry *(*put)(const dem_t *dem, int i, dem_entry *to); /* those of particle i; the end */
+} dem_carrier;
+extern const dem_carrier dem_walls_carrier;
+
+int dem_history_needed(const dem_t *dem); /* the same on every rank */
+int dem_history_gather(const dem_t *dem, int **count, void **payload);
 /* Sort own particles by cells; the payload comes along. */
 int dem_history_sort(dem_t *dem, double cell, int *count, void *payload);
 

@@ -92,7 +92,7 @@ static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   int status = PART_OK;
   adapt_skin(dem);
   const double reach = 2.0 * dem->r_max + dem->skin;
-  if (*count == NULL && dem->plan.tangential)
+  if (*count == NULL && dem_history_needed(dem))
     status = dem_history_gather(dem, count, payload);
   PART_TRY(part_agree(dem->comm, status));
   PART_TRY(balance_parts(dem, balance));

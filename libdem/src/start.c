@@ -108,7 +108,7 @@ int dem_start(dem_t *dem) {
   void *payload = dem->kept;
   dem->kept_count = NULL;
   dem->kept = NULL;
-  if (count != NULL && !dem->plan.tangential) { /* friction was taken out before the restart */
+  if (count != NULL && !dem_history_needed(dem)) { /* friction was taken out before the restart */
     free(count);
     free(payload);
     count = NULL;

@@ -212,3 +212,50 @@ int dem_walls_check(dem_t *dem) {
   }
   return PART_OK;
 }
+
+/* ---- history of wall contacts in the payload -------------------------------------------------- */
+static int wall_entries(const dem_near *near) {
+  return near->n[0] != 0.0 || near->n[1] != 0.0 || near->n[2] != 0.0 ? 2 : 0;
+}
+
+static int walls_active(const dem_t *dem) {
+  return dem->plan.tangential && dem->plan.walls;
+}
+
+static void count_walls(const dem_t *dem, int *count) {
+  const dem_walls *walls = &dem->walls;
+  for (int row = 0; row < walls->rows; row++)
+    for (int k = walls->start[row]; k < walls->start[row + 1]; k++)
+      count[walls->particle[row]] += wall_entries(&walls->near[k]);
+}
+
+/* Row of own particle i, -1: none; rows are in the order of particles. */
+static int row_of(const dem_walls *walls, int i) {
+  int low = 0, high = walls->rows;
+  while (low < high) {
+    const int middle = low + (high - low) / 2;
+    if (walls->particle[middle] < i)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < walls->rows && walls->particle[low] == i ? low : -1;
+}
+
+static dem_entry *put_walls(const dem_t *dem, int i, dem_entry *entry) {
+  const dem_walls *walls = &dem->walls;
+  const int row = row_of(walls, i);
+  for (int k = row < 0 ? 0 : walls->start[row]; row >= 0 && k < walls->start[row + 1]; k++) {
+    const dem_near *near = &walls->near[k];
+    const int64_t m = (int64_t)near->element * DEM_SHIFTS + near->shift;
+    if (wall_entries(near) == 0)
+      continue;
+    entry->key = -1 - 2 * m;
+    memcpy(entry++->value, near->spring, sizeof near->spring);
+    entry->key = -2 - 2 * m;
+    memcpy(entry++->value, near->n, sizeof near->n);
+  }
+  return entry;
+}
+
+const dem_carrier dem_walls_carrier = {walls_active, count_walls, put_walls};
