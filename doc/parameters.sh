@@ -77,8 +77,9 @@ int main(void) {
   printf("\n## Contact laws\n\n| `law` | meaning |\n|---|---|\n");
 #define DEM_LAW(name, key, meaning) print_row(key, meaning);
 #include "dem/contact_laws.def"
-  printf("\n## Drag laws\n\n| `drag` | meaning |\n|---|---|\n");
-#define CPL_DRAG(name, function, meaning) print_row(#name, meaning);
+  printf("\n## Drag laws\n\n| `drag` | Re | eps | meaning |\n|---|---|---|---|\n");
+#define CPL_DRAG(name, function, re_low, re_high, eps_low, eps_high, sizes, meaning) \
+  printf("| `%s` | %g to %g | %g to %g | %s |\n", #name, (double)re_low, (double)re_high, (double)eps_low, (double)eps_high, meaning);
 #include "coupling/drag_laws.def"
   printf("\n## Void fraction\n\n| `voidFraction` | meaning |\n|---|---|\n");
 #define CPL_VOID_FRACTION(name, meaning) print_row(#name, meaning);

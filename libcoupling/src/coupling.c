@@ -94,6 +94,7 @@ void cpl_destroy(cpl_t *cpl) {
   CPL_FREE(cpl->superficial);
   CPL_FREE(cpl->constant);
   CPL_FREE(cpl->inverse_eps);
+  CPL_FREE(cpl->mean_d);
   CPL_FREE(cpl->force_id);
   CPL_FREE(cpl->force);
   CPL_FREE(cpl->cell_work);

@@ -46,6 +46,8 @@ struct cpl_t {
   CPL_ARRAY(double) eps;         /* [count] sampled */
   CPL_ARRAY(double) superficial; /* [count][3] sampled */
   CPL_ARRAY(double) constant;    /* [count][3] grad p and div tau forces, N */
+  CPL_ARRAY(double) mean_d;      /* [count] m, Sauter mean diameter around; drag that needs it */
+  int64_t outside;               /* particles outside the range of the drag law */
 
   /* of the last cpl_fluid_force, in the order of then */
   int force_count; /* -1: none yet */

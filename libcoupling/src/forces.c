@@ -4,9 +4,9 @@
  *   F = Su - Sp v = beta (u - v) - rho_f V g [- V grad p] [+ V div tau],   u = U/eps
  *
  * beta from the drag law; model B: beta/eps, which contains the force of the pressure gradient that
- * drag itself causes (Markauskas et al. 2017, eq. 23; Feng and Yu 2004). That gradient belongs to the
- * cells, so 1/eps is sum_c w_ic/eps_c and not one over the sampled eps: only then both models have
- * the same steady state where a sphere lies in cells of different eps. grad p without its
+ * drag itself causes (Markauskas et al. 2017, eq. 23; Feng and Yu 2004). That gradient belongs to
+ * the cells, so 1/eps is sum_c w_ic/eps_c and not one over the sampled eps: only then both models
+ * have the same steady state where a sphere lies in cells of different eps. grad p without its
  * hydrostatic part: that is -rho_f V g.
  *
  * One-way coupling (Markauskas et al., section 6) is the same here: the flow has eps = 1 and no
@@ -21,7 +21,40 @@ static int uses_pressure(const cpl_t *cpl) {
   return cpl->params.model == CPL_MODEL_A && cpl->params.pressure_gradient;
 }
 
+static const unsigned char law_needs_sizes[] = {
+#define CPL_DRAG(name, function, re_low, re_high, eps_low, eps_high, sizes, meaning) sizes,
+#include "coupling/drag_laws.def"
+#undef CPL_DRAG
+};
+
+static int uses_sizes(const cpl_t *cpl) {
+  return law_needs_sizes[cpl->params.drag];
+}
+
 /* ---- sample --------------------------------------------------------------------------------- */
+/* Sauter mean diameter sum V_i/sum (V_i/d_i) of the cells, with the weights of the exchange, and
+ * from there at the particles. */
+static int sample_sizes(cpl_t *cpl) {
+  const size_t cells = (size_t)cpl->mesh.cells, count = (size_t)cpl->count;
+  int status = CPL_RESERVE(cpl->cell_work, 2 * cells);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->particle_work, 2 * count);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->mean_d, count);
+  PART_TRY(cpl_agree(cpl, status));
+  for (size_t i = 0; i < count; i++) {
+    cpl->particle_work.data[2 * i] = cpl->volume.data[i];
+    cpl->particle_work.data[2 * i + 1] = cpl->volume.data[i] / (2.0 * cpl->sphere.data[4 * i + 3]);
+  }
+  memset(cpl->cell_work.data, 0, 2 * cells * sizeof(double));
+  PART_TRY(cpl_weights_deposit(cpl->weights, 2, cpl->particle_work.data, cpl->cell_work.data));
+  for (size_t c = 0; c < cells; c++) {
+    const double *row = cpl->cell_work.data + 2 * c;
+    cpl->cell_work.data[c] = row[1] > 0.0 ? row[0] / row[1] : 0.0;
+  }
+  return cpl_weights_sample(cpl->weights, 1, cpl->cell_work.data, cpl->mean_d.data);
+}
+
 static int check_cells(const cpl_t *cpl, const cpl_cells *cells) {
   if (!cells->eps || !cells->superficial)
     return part_fail(PART_ERR_ARGUMENT, "cpl_sample_fluid: needs eps and superficial of the cells");
@@ -93,6 +126,8 @@ static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_ce
   gather_cells(cpl, cells, (size_t)n);
   PART_TRY(cpl_weights_sample(cpl->weights, n, cpl->cell_work.data, cpl->particle_work.data));
   scatter_particles(cpl, (size_t)n);
+  if (uses_sizes(cpl))
+    PART_TRY(sample_sizes(cpl));
   cpl->sample_stamp = cpl->stamp;
   return PART_OK;
 }
@@ -135,8 +170,8 @@ static int check_sampled(const cpl_t *cpl, int i, const double *velocity) {
   return PART_OK;
 }
 
-static inline __attribute__((always_inline)) int force_loop(cpl_t *cpl, cpl_particles *p,
-                                                            cpl_drag_law law) {
+static inline __attribute__((always_inline)) int
+force_loop(cpl_t *cpl, cpl_particles *p, cpl_drag_law law, cpl_drag_range range, int sizes) {
   const double rho = cpl->fluid.density, mu = cpl->fluid.viscosity;
   const int model_b = cpl->params.model == CPL_MODEL_B;
   for (int i = 0; i < cpl->count; i++) {
@@ -151,7 +186,11 @@ static inline __attribute__((always_inline)) int force_loop(cpl_t *cpl, cpl_part
       u[d] = superficial[d] * to_interstitial;
       slip2 += (u[d] - v[d]) * (u[d] - v[d]);
     }
-    double beta = law(sqrt(slip2), 2.0 * cpl->sphere.data[4 * (size_t)i + 3], eps, rho, mu);
+    const double slip = sqrt(slip2), d_i = 2.0 * cpl->sphere.data[4 * (size_t)i + 3];
+    const double re = eps * slip * d_i * rho / mu;
+    cpl->outside += re < range.re_low || re > range.re_high || eps < range.eps_low ||
+                    eps > range.eps_high + 1e-12; /* rounding of eps = 1 */
+    double beta = law(slip, d_i, eps, rho, mu, sizes ? cpl->mean_d.data[i] : d_i);
     if (model_b)
       beta *= cpl->inverse_eps.data[i];
     if (!isfinite(beta))
@@ -172,15 +211,16 @@ static inline __attribute__((always_inline)) int force_loop(cpl_t *cpl, cpl_part
 }
 
 /* One loop per law, with the law inlined. */
-#define CPL_DRAG(name, function, meaning)                                                          \
+#define CPL_DRAG(name, function, re_low, re_high, eps_low, eps_high, sizes, meaning)               \
   static int force_##name(cpl_t *cpl, cpl_particles *p) {                                          \
-    return force_loop(cpl, p, function);                                                           \
+    const cpl_drag_range range = {re_low, re_high, eps_low, eps_high};                             \
+    return force_loop(cpl, p, function, range, sizes);                                             \
   }
 #include "coupling/drag_laws.def"
 #undef CPL_DRAG
 
 static int (*const force_loops[])(cpl_t *, cpl_particles *) = {
-#define CPL_DRAG(name, function, meaning) force_##name,
+#define CPL_DRAG(name, function, re_low, re_high, eps_low, eps_high, sizes, meaning) force_##name,
 #include "coupling/drag_laws.def"
 #undef CPL_DRAG
 };
@@ -190,6 +230,7 @@ static int fluid_force(cpl_t *cpl, cpl_particles *particles) {
   if (cpl->sample_stamp != cpl->stamp)
     return part_fail(PART_ERR_STATE, "cpl_fluid_force: call cpl_sample_fluid after cpl_locate");
   cpl->force_count = -1;
+  cpl->outside = 0;
   PART_TRY(CPL_RESERVE(cpl->force, (size_t)cpl->count * CPL_FORCE_WIDTH));
   PART_TRY(CPL_RESERVE(cpl->force_id, cpl->count));
   PART_TRY(force_loops[cpl->params.drag](cpl, particles));
@@ -204,4 +245,8 @@ int cpl_fluid_force(cpl_t *cpl, cpl_particles *particles) {
   const int status = fluid_force(cpl, particles);
   part_timers_stop(cpl->timers, cpl->stage[CPL_FORCE]);
   return status;
+}
+
+int64_t cpl_outside_range(const cpl_t *cpl) {
+  return cpl->outside;
 }

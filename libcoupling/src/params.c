@@ -14,13 +14,20 @@ static const char *const void_fractions[] = {
     NULL};
 
 static const char *const drag_laws[] = {
-#define CPL_DRAG(name, function, meaning) #name,
+#define CPL_DRAG(name, function, re_low, re_high, eps_low, eps_high, sizes, meaning) #name,
 #include "coupling/drag_laws.def"
 #undef CPL_DRAG
     NULL};
 
 static const cpl_drag_law drag_functions[] = {
-#define CPL_DRAG(name, function, meaning) function,
+#define CPL_DRAG(name, function, re_low, re_high, eps_low, eps_high, sizes, meaning) function,
+#include "coupling/drag_laws.def"
+#undef CPL_DRAG
+};
+
+static const cpl_drag_range drag_ranges[] = {
+#define CPL_DRAG(name, function, re_low, re_high, eps_low, eps_high, sizes, meaning)               \
+  {re_low, re_high, eps_low, eps_high},
 #include "coupling/drag_laws.def"
 #undef CPL_DRAG
 };
@@ -78,4 +85,8 @@ const char *cpl_drag_name(int law) {
 
 cpl_drag_law cpl_drag_function(int law) {
   return law >= 0 && law < cpl_drag_count() ? drag_functions[law] : NULL;
+}
+
+const cpl_drag_range *cpl_drag_range_of(int law) {
+  return law >= 0 && law < cpl_drag_count() ? &drag_ranges[law] : NULL;
 }

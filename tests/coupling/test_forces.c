@@ -78,8 +78,27 @@ static void test_constant_parts(void **state) {
   constant_parts(CPL_MODEL_B, 1, 0, 1);
 }
 
-/* Drag from what was sampled: Su - Sp v = beta (u - v) + buoyancy, u = U/eps; model B beta sum_c w_ic/eps_c.
- * One-way or two-way: the same force. */
+/* Sauter mean diameter of the spheres around each particle, by the weights of the exchange. */
+static double *sauter(scene *s) {
+  const int cells = s->mesh.view.cells;
+  double *value = calloc(2 * (size_t)s->view.count + 1, sizeof *value);
+  double *cell = calloc(2 * (size_t)cells, sizeof *cell);
+  assert_true(value && cell);
+  for (int i = 0; i < s->view.count; i++) {
+    const double *row = s->row + i * ROW_WIDTH;
+    value[2 * i] = volume_of(row);
+    value[2 * i + 1] = volume_of(row) / (2.0 * row[ROW_R]);
+  }
+  assert_int_equal(cpl_deposit(s->cpl, 2, value, cell), PART_OK);
+  for (int c = 0; c < cells; c++)
+    cell[c] = cell[2 * c + 1] > 0.0 ? cell[2 * c] / cell[2 * c + 1] : 0.0;
+  assert_int_equal(cpl_sample(s->cpl, 1, cell, value), PART_OK);
+  free(cell);
+  return value;
+}
+
+/* Drag from what was sampled: Su - Sp v = beta (u - v) + buoyancy, u = U/eps; model B beta sum_c
+ * w_ic/eps_c. One-way or two-way: the same force. */
 static void test_drag_of_sampled(void **state) {
   (void)state;
   for (int law = 0; law < cpl_drag_count(); law++)
@@ -102,6 +121,9 @@ static void test_drag_of_sampled(void **state) {
         for (int c = 0; c < s.mesh.view.cells; c++)
           cell[c] = 1.0 / s.eps[c];
         assert_int_equal(cpl_sample(s.cpl, 1, cell, inverse), PART_OK);
+        double *mean_d = sauter(&s);
+        const cpl_drag_range *range = cpl_drag_range_of(law);
+        int64_t outside = 0;
         for (int i = 0; i < s.view.count; i++) {
           const double *row = s.row + i * ROW_WIDTH;
           double slip[3], speed = 0.0;
@@ -109,9 +131,12 @@ static void test_drag_of_sampled(void **state) {
             slip[d] = superficial[3 * i + d] / eps[i] - row[ROW_V + d];
             speed += slip[d] * slip[d];
           }
-          const double beta =
-              cpl_drag_function(law)(sqrt(speed), 2.0 * row[ROW_R], eps[i], 1000.0, 1e-3) *
-              (model == CPL_MODEL_B ? inverse[i] : 1.0);
+          const double beta = cpl_drag_function(law)(sqrt(speed), 2.0 * row[ROW_R], eps[i], 1000.0,
+                                                     1e-3, mean_d[i]) *
+                              (model == CPL_MODEL_B ? inverse[i] : 1.0);
+          const double re = eps[i] * sqrt(speed) * 2.0 * row[ROW_R] * 1000.0 / 1e-3;
+          outside += re < range->re_low || re > range->re_high || eps[i] < range->eps_low ||
+                     eps[i] > range->eps_high + 1e-12;
           assert_near(row[ROW_SP] / beta, 1.0, 1e-13);
           for (int d = 0; d < 3; d++) {
             const double f = row[ROW_SU + d] - row[ROW_SP] * row[ROW_V + d];
@@ -120,6 +145,8 @@ static void test_drag_of_sampled(void **state) {
                         1e-13 * (beta * (1.0 + fabs(slip[d])) + fabs(buoyancy)));
           }
         }
+        assert_int_equal(cpl_outside_range(s.cpl), outside);
+        free(mean_d);
         free(cell);
         free(inverse);
         scene_free(&s);

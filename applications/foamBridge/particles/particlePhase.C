@@ -335,6 +335,14 @@ void particlePhase::report(Ostream& os) const
      << label(r.contacts) << " + " << label(r.wall_contacts) << " on walls, max overlap "
      << r.max_overlap << ", max speed " << r.max_speed << " m/s, volume error " << volumeError_ << nl
      << "Particle momentum budget: error " << r.budget_error;
+  const label outside = returnReduce(label(cpl_outside_range(cpl_)), sumOp<label>());
+  if (outside > 0)
+  {
+    const cpl_drag_range& range = *cpl_drag_range_of(params_.drag);
+    os << nl << "Drag law " << cpl_drag_name(params_.drag) << ": " << outside
+       << " particles outside its range, Re " << range.re_low << " to " << range.re_high << ", eps "
+       << range.eps_low << " to " << range.eps_high;
+  }
   if (params_.two_way)
   {
     cpl_budget b;

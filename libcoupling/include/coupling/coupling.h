@@ -91,11 +91,18 @@ typedef struct cpl_params {
 extern const part_param_table cpl_params_table;
 
 /* Drag law by row: force on one sphere F = beta u_rel (N), u_rel = u - v interstitial (m/s).
- * beta (kg/s) from |u_rel|, diameter d, eps, rho_f, mu_f. */
-typedef double (*cpl_drag_law)(double slip, double d, double eps, double rho, double mu);
+ * beta (kg/s) from |u_rel|, diameter d, eps, rho_f, mu_f, and the Sauter mean diameter of the spheres
+ * around (m; d where all have one size). */
+typedef double (*cpl_drag_law)(double slip, double d, double eps, double rho, double mu,
+                               double mean_d);
+/* Where its source says that a law holds; Re = eps |u - v| d rho/mu. */
+typedef struct cpl_drag_range {
+  double re_low, re_high, eps_low, eps_high;
+} cpl_drag_range;
 int cpl_drag_count(void);
 const char *cpl_drag_name(int law);
 cpl_drag_law cpl_drag_function(int law);
+const cpl_drag_range *cpl_drag_range_of(int law); /* NULL: no such row */
 
 /* ---- life ----------------------------------------------------------------------------------- */
 typedef struct cpl_t cpl_t;
@@ -120,6 +127,8 @@ int cpl_void_fraction(cpl_t *cpl, const cpl_particles *particles, cpl_cells *cel
 int cpl_sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_cells *cells);
 /* Local. F = Su - Sp v into the particle view: drag, pressure gradient with buoyancy, stress. */
 int cpl_fluid_force(cpl_t *cpl, cpl_particles *particles);
+/* Own particles of the last cpl_fluid_force where the drag law was outside its range. */
+int64_t cpl_outside_range(const cpl_t *cpl);
 /* Collective. D and G of the cells for a flow step dt, from the impulses that the particles really
  * received over their own steps, implicit in the new fluid velocity: a particle that would follow
  * the fluid within dt takes at most its momentum m du (factor (1 - exp(-Sp dt/m)) m/dt). */

@@ -12,10 +12,12 @@
  * F is the drag beside the pressure gradient force. The slip is taken into the square of (21),
  *   C_d |u - v| = (0.63 sqrt|u - v| + 4.8 sqrt(mu/(rho eps d)))^2,
  * so that beta = F/|u - v| is finite and continuous at rest. */
-static inline double cpl_drag_di_felice(double slip, double d, double eps, double rho, double mu) {
+static inline double cpl_drag_di_felice(double slip, double d, double eps, double rho, double mu,
+                                        double mean_d) {
   const double pi = 3.14159265358979323846;
   const double re = eps * slip * d * rho / mu;
   const double root = 0.63 * sqrt(slip) + 4.8 * sqrt(mu / (rho * eps * d));
+  (void)mean_d;
   double chi = 3.7;
   if (re > 1e-12) { /* below, the exponential is 0 in double; log10(0) would raise a trap */
     const double a = 1.5 - log10(re);
