@@ -12,6 +12,7 @@
 
 typedef struct objects {
   const part_store *store;
+  const double *home; /* [local][3] places that count; NULL: positions */
   const double *weight;
   unsigned first; /* number of the first own particle over all ranks */
 } objects;
@@ -51,7 +52,8 @@ static void object_positions(void *data, int gid_entries, int lid_entries, int n
   (void)gid;
   for (int k = 0; k < n; k++)
     for (int d = 0; d < dimensions; d++)
-      position[k * dimensions + d] = x[(size_t)lid[k] * width + (size_t)d];
+      position[k * dimensions + d] = o->home != NULL ? o->home[3 * (size_t)lid[k] + (size_t)d]
+                                                     : x[(size_t)lid[k] * width + (size_t)d];
   *error = ZOLTAN_OK;
 }
 
@@ -122,12 +124,13 @@ static int bisect(part_domain *domain, objects *o, int weighted) {
   return part_agree(domain->comm, status);
 }
 
-static int check_objects(const part_store *store, const double *weight, double *sum) {
+static int check_objects(const part_store *store, const double *home, const double *weight,
+                         double *sum) {
   const double *x = part_record_double(store, 0);
   const size_t width = (size_t)store->layout->records[0].width;
   *sum = 0.0;
   for (int i = 0; i < store->local; i++) {
-    const double *p = x + (size_t)i * width;
+    const double *p = home != NULL ? home + 3 * (size_t)i : x + (size_t)i * width;
     if (!isfinite(p[0] + p[1] + p[2]))
       return part_domain_fail_at(store, i, PART_ERR_OUTSIDE, "is not finite");
     if (weight != NULL && !(weight[i] >= 0.0 && weight[i] < INFINITY))
@@ -138,9 +141,14 @@ static int check_objects(const part_store *store, const double *weight, double *
 }
 
 int part_domain_balance(part_domain *domain, const part_store *store, const double *weight) {
+  return part_domain_balance_home(domain, store, NULL, weight);
+}
+
+int part_domain_balance_home(part_domain *domain, const part_store *store, const double *home,
+                             const double *weight) {
   double sums[2]; /* particles, weight; of this rank, then of all */
-  objects o = {store, weight, 0};
-  PART_TRY(part_domain_agree(domain, check_objects(store, weight, &sums[1])));
+  objects o = {store, home, weight, 0};
+  PART_TRY(part_domain_agree(domain, check_objects(store, home, weight, &sums[1])));
   if (domain->size == 1)
     return PART_OK;
   unsigned after = (unsigned)store->local;

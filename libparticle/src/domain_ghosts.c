@@ -320,7 +320,8 @@ int part_domain_ghosts(part_domain *domain, part_store *store, double reach) {
   return refresh(domain, store, take);
 }
 
-int part_domain_update_ghosts(part_domain *domain, part_store *store) {
+/* Is the exchange that of the particles and ghosts in the store? */
+static int check_plan(const part_domain *domain, const part_store *store) {
   const ghost_plan *plan = &domain->ghosts;
   const int ghosts =
       plan->exchange != NULL ? part_exchange_receive_count(plan->exchange) : plan->count;
@@ -331,5 +332,24 @@ int part_domain_update_ghosts(part_domain *domain, part_store *store) {
                      store->local, store->ghost, plan->local, ghosts);
   if (domain->size > 1 && plan->exchange == NULL)
     return part_fail(PART_ERR_STATE, "part_domain_ghosts was not called");
-  return refresh(domain, store, plan->take);
+  return PART_OK;
+}
+
+int part_domain_update_ghosts(part_domain *domain, part_store *store) {
+  PART_TRY(check_plan(domain, store));
+  return refresh(domain, store, domain->ghosts.take);
+}
+
+int part_domain_copy_to_ghosts(part_domain *domain, const part_store *store, size_t size,
+                               const void *own, void *ghosts) {
+  ghost_plan *plan = &domain->ghosts;
+  PART_TRY(check_plan(domain, store));
+  if (domain->size == 1) {
+    copy_items(plan->count, plan->item, size, own, ghosts);
+    return PART_OK;
+  }
+  PART_TRY(part_domain_agree(
+      domain, part_grow((size_t)plan->count * size, 1, &plan->send_room, &plan->send)));
+  copy_items(plan->count, plan->item, size, own, plan->send);
+  return part_exchange_forward(plan->exchange, size, plan->send, ghosts);
 }

@@ -56,23 +56,43 @@ static int check_positions(const part_domain *domain, const part_store *store) {
   return PART_OK;
 }
 
-static void wrap_positions(const part_domain *domain, part_store *store) {
+/* Wrap homes, and shift positions as their homes are. */
+static void wrap_homes(const part_domain *domain, part_store *store, double *home) {
+  double *x = part_record_double(store, 0);
+  const size_t width = (size_t)store->layout->records[0].width;
+  for (size_t i = 0; i < (size_t)store->local; i++) {
+    const double before[3] = {home[3 * i], home[3 * i + 1], home[3 * i + 2]};
+    part_box_wrap(&domain->box, home + 3 * i, NULL);
+    for (size_t d = 0; d < 3; d++) { /* at home without rounding */
+      const double shift = home[3 * i + d] - before[d];
+      x[i * width + d] = x[i * width + d] == before[d] ? home[3 * i + d] : x[i * width + d] + shift;
+    }
+  }
+}
+
+static void wrap_positions(const part_domain *domain, part_store *store, double *home) {
   const part_box *box = &domain->box;
   double *x = part_record_double(store, 0);
   const size_t width = (size_t)store->layout->records[0].width;
-  if (box->periodic[0] || box->periodic[1] || box->periodic[2])
+  if (!box->periodic[0] && !box->periodic[1] && !box->periodic[2])
+    return;
+  if (home != NULL)
+    wrap_homes(domain, store, home);
+  else
     for (int i = 0; i < store->local; i++)
       part_box_wrap(box, x + (size_t)i * width, NULL);
 }
 
-static int find_leaving(const part_domain *domain, const part_store *store, migration *m) {
+static int find_leaving(const part_domain *domain, const part_store *store, const double *home,
+                        migration *m) {
   const double *x = part_record_double(store, 0);
   const size_t width = (size_t)store->layout->records[0].width, n = (size_t)store->local;
   PART_TRY(part_allocate(n, 1, &m->keep));
   PART_TRY(part_allocate(n, sizeof *m->index, &m->index));
   PART_TRY(part_allocate(n, sizeof *m->destination, &m->destination));
   for (int i = 0; i < store->local; i++) {
-    const int owner = part_domain_owner(domain, x + (size_t)i * width);
+    const int owner =
+        part_domain_owner(domain, home != NULL ? home + 3 * (size_t)i : x + (size_t)i * width);
     if (owner < 0)
       return part_domain_fail_at(store, i, PART_ERR_STATE, "is in no rank's part");
     m->keep[i] = owner == domain->rank;
@@ -153,9 +173,9 @@ static int receive_room(part_store *store, migration *m) {
 }
 
 /* Everything that can fail; the store keeps its particles. */
-static int exchange(part_domain *domain, part_store *store, migration *m, const int *count,
-                    const unsigned char *payload) {
-  int status = find_leaving(domain, store, m);
+static int exchange(part_domain *domain, part_store *store, const double *home, migration *m,
+                    const int *count, const unsigned char *payload) {
+  int status = find_leaving(domain, store, home, m);
   if (status == PART_OK)
     status = pack(store, m, count, payload);
   PART_TRY(part_agree(domain->comm, status));
@@ -171,16 +191,34 @@ static int exchange(part_domain *domain, part_store *store, migration *m, const 
   return part_agree(domain->comm, join_payload(store, m, count, payload));
 }
 
+/* Every home must be a place too: a NaN is in no part. */
+static int check_homes(const part_store *store, const double *home) {
+  for (int i = 0; home != NULL && i < store->local; i++)
+    if (!isfinite(home[3 * i]) || !isfinite(home[3 * i + 1]) || !isfinite(home[3 * i + 2]))
+      return part_domain_fail_at(store, i, PART_ERR_OUTSIDE, "has a home that is not finite");
+  return PART_OK;
+}
+
+static int check(const part_domain *domain, const part_store *store, const double *home) {
+  PART_TRY(check_positions(domain, store));
+  return check_homes(store, home);
+}
+
 int part_domain_migrate(part_domain *domain, part_store *store, size_t payload_size,
                         int **payload_count, void **payload) {
+  return part_domain_migrate_home(domain, store, NULL, payload_size, payload_count, payload);
+}
+
+int part_domain_migrate_home(part_domain *domain, part_store *store, double *home,
+                             size_t payload_size, int **payload_count, void **payload) {
   const int has_payload = payload_count != NULL && payload != NULL && payload_size > 0;
-  PART_TRY(part_domain_agree(domain, check_positions(domain, store)));
-  wrap_positions(domain, store);
+  PART_TRY(part_domain_agree(domain, check(domain, store, home)));
+  wrap_positions(domain, store, home);
   store->ghost = 0;
   if (domain->size == 1)
     return PART_OK;
   migration m = {.element = has_payload ? payload_size : 0};
-  const int status = exchange(domain, store, &m, has_payload ? *payload_count : NULL,
+  const int status = exchange(domain, store, home, &m, has_payload ? *payload_count : NULL,
                               has_payload ? (const unsigned char *)*payload : NULL);
   if (status == PART_OK) {
     part_store_compact(store, m.keep);

@@ -212,6 +212,84 @@ static void payload_travels(void **state) {
   tear_down(domain, store);
 }
 
+/* Where the group of a particle is at home: far jumps with the round, on no rank's border. */
+static void home_of(int64_t group, int round, double home[3]) {
+  for (int d = 0; d < 3; d++)
+    home[d] = periodic_box.lo[d] + 1.3 * sin((double)(7 * group + 3 * d) + 2.1 * round);
+}
+
+static double offset_of(int64_t id, int d) {
+  return 0.11 * sin((double)(5 * id + d));
+}
+
+/* Groups of eight with one home each: on one rank, shifted together, balanced by their homes. */
+static void homes(void **state) {
+  (void)state;
+  enum { N = 800, GROUP = 8 };
+  part_domain *domain;
+  part_store *store;
+  set_up(&periodic_box, N, 1, &domain, &store);
+  for (int round = 0; round < 3; round++) {
+    double *home = calloc(3 * (size_t)store->local + 1, sizeof *home);
+    for (int i = 0; i < store->local; i++) {
+      home_of(*id_of(store, i) / GROUP, round, home + 3 * i);
+      for (int d = 0; d < 3; d++)
+        position(store, i)[d] = home[3 * i + d] + offset_of(*id_of(store, i), d);
+    }
+    OK(part_domain_balance_home(domain, store, home, NULL));
+    OK(part_domain_migrate_home(domain, store, home, 0, NULL, NULL));
+    free(home);
+    check_all_there(store, N);
+    int members[N / GROUP] = {0};
+    for (int i = 0; i < store->local; i++) {
+      const int64_t group = *id_of(store, i) / GROUP;
+      double wanted[3];
+      members[group]++;
+      home_of(group, round, wanted);
+      part_box_wrap(&periodic_box, wanted, NULL);
+      for (int d = 0; d < 3; d++)
+        assert_true(fabs(position(store, i)[d] - wanted[d] - offset_of(*id_of(store, i), d)) <
+                    1e-14);
+    }
+    for (int g = 0; g < N / GROUP; g++)
+      assert_true(members[g] == 0 || members[g] == GROUP);
+    double ratio;
+    OK(part_domain_imbalance(domain, store, &ratio));
+    /* Zoltan's tolerance, and a group more on each of two levels of cuts. */
+    assert_true(ratio <= 1.1 + 2.0 * GROUP * world_size() / N);
+  }
+  double nowhere[3 * N];
+  for (int k = 0; k < 3 * N; k++)
+    nowhere[k] = NAN;
+  FAILS(PART_ERR_OUTSIDE, "home that is not finite",
+        part_domain_migrate_home(domain, store, nowhere, 0, NULL, NULL));
+  tear_down(domain, store);
+}
+
+/* Data of own particles arrives at all their copies. */
+static void data_to_ghosts(void **state) {
+  (void)state;
+  part_domain *domain;
+  part_store *store;
+  set_up(&periodic_box, 500, 1, &domain, &store);
+  OK(part_domain_ghosts(domain, store, 0.1));
+  assert_true(sum_over_ranks(store->ghost) > 100);
+  int64_t *own = calloc(2 * (size_t)store->local + 1, sizeof *own);
+  int64_t *ghosts = calloc(2 * (size_t)store->ghost + 1, sizeof *ghosts);
+  for (int i = 0; i < store->local; i++) {
+    own[2 * i] = *id_of(store, i);
+    own[2 * i + 1] = -3 * *id_of(store, i);
+  }
+  OK(part_domain_copy_to_ghosts(domain, store, 2 * sizeof *own, own, ghosts));
+  for (int k = 0; k < store->ghost; k++) {
+    assert_int_equal(ghosts[2 * k], *id_of(store, store->local + k));
+    assert_int_equal(ghosts[2 * k + 1], -3 * *id_of(store, store->local + k));
+  }
+  free(own);
+  free(ghosts);
+  tear_down(domain, store);
+}
+
 static void bad_positions(void **state) {
   (void)state;
   part_box box = free_box;
@@ -419,7 +497,8 @@ static void repeatable(void **state) {
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(balance_and_migrate), cmocka_unit_test(weights_count),
     cmocka_unit_test(few_and_coincident),  cmocka_unit_test(lattice_on_cuts),
-    cmocka_unit_test(payload_travels),     cmocka_unit_test(bad_positions),
+    cmocka_unit_test(payload_travels),     cmocka_unit_test(homes),
+    cmocka_unit_test(data_to_ghosts),      cmocka_unit_test(bad_positions),
     cmocka_unit_test(ghosts_complete),     cmocka_unit_test(ghosts_follow),
     cmocka_unit_test(reach_is_checked),    cmocka_unit_test(save_and_load),
     cmocka_unit_test(repeatable),

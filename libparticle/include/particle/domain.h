@@ -37,6 +37,10 @@ const part_box *part_domain_box(const part_domain *domain);
 /* Collective. New parts of equal weight (weight[i] per own particle, NULL: equal) from the own
  * particles of every rank. Does not move anything. */
 int part_domain_balance(part_domain *domain, const part_store *store, const double *weight);
+/* The same with a home per own particle ([local][3], m) in place of its position; see
+ * part_domain_migrate_home. */
+int part_domain_balance_home(part_domain *domain, const part_store *store, const double *home,
+                             const double *weight);
 /* Largest number of own particles of a rank over the mean; collective. */
 int part_domain_imbalance(const part_domain *domain, const part_store *store, double *ratio);
 
@@ -50,6 +54,13 @@ int part_domain_imbalance(const part_domain *domain, const part_store *store, do
 int part_domain_migrate(part_domain *domain, part_store *store, size_t payload_size,
                         int **payload_count, void **payload);
 
+/* Collective. The same for particles that belong together, such as the spheres of one body: who owns
+ * a particle follows from its home ([local][3], m; NULL: its position), and its position is shifted
+ * over periodic borders as its home is, so it may stay outside the box. Particles with the same home
+ * (bit for bit) stay on one rank. Homes are wrapped in place, in the old order. */
+int part_domain_migrate_home(part_domain *domain, part_store *store, double *home,
+                             size_t payload_size, int **payload_count, void **payload);
+
 /* Collective. Ghost copies of all particles within `reach` (m) of the box around the own particles,
  * across periodic borders too (positions shifted), as an exchange that update repeats. So every
  * pair closer than reach is complete, also for particles that have moved out of their part since
@@ -62,6 +73,11 @@ int part_domain_ghosts(part_domain *domain, part_store *store, double reach);
  * kept. ERR_STATE: own particles or ghosts are not those of the last part_domain_ghosts (on every
  * rank, or the others wait). */
 int part_domain_update_ghosts(part_domain *domain, part_store *store);
+
+/* Collective. Data of own particles ([local] of `size` bytes) to the ghosts' ([ghost]), along the
+ * exchange of the last part_domain_ghosts; what no field holds, because few scenes have it. */
+int part_domain_copy_to_ghosts(part_domain *domain, const part_store *store, size_t size,
+                               const void *own, void *ghosts);
 
 /* The decomposition as bytes, for restart: the same cuts give the same ranks bit for bit. save is
  * local and allocates *bytes (caller frees): the part of this rank. load is collective, takes on
