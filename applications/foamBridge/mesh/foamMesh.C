@@ -45,8 +45,12 @@ foamMesh::foamMesh(const fvMesh& mesh)
   view_.volume = mesh.cellVolumes().cdata();
 }
 
-part_box foamMesh::box(const fvMesh& mesh)
+part_box foamMesh::box(const polyMesh& mesh)
 {
+  if (!returnReduce(mesh.nCells(), sumOp<label>()))
+  {
+    FatalErrorInFunction << "the mesh in " << mesh.meshDir() << " has no cells" << exit(FatalError);
+  }
   const boundBox& bounds = mesh.bounds();
   part_box box = part_box();
   for (direction d = 0; d < 3; ++d)
@@ -95,7 +99,7 @@ part_box foamMesh::box(const fvMesh& mesh)
   return box;
 }
 
-List<FixedList<point, 3>> foamMesh::triangles(const fvMesh& mesh, const label patchi)
+List<FixedList<point, 3>> foamMesh::triangles(const polyMesh& mesh, const label patchi)
 {
   const polyPatch& patch = mesh.boundaryMesh()[patchi];
   DynamicList<FixedList<point, 3>> mine;

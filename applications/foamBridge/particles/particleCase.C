@@ -91,7 +91,7 @@ static void addContacts(dem_t* dem, const dictionary& properties)
   }
 }
 
-static void addPatches(dem_t* dem, const fvMesh& mesh, const word& name, const dictionary& dict)
+static void addPatches(dem_t* dem, const polyMesh& mesh, const word& name, const dictionary& dict)
 {
   checkEntries(dict, wordList({"type", "patches", "material"}));
   const labelHashSet patches =
@@ -119,7 +119,7 @@ static void addPatches(dem_t* dem, const fvMesh& mesh, const word& name, const d
   }
 }
 
-static void addWalls(dem_t* dem, const fvMesh& mesh, const dictionary& properties)
+static void addWalls(dem_t* dem, const polyMesh& mesh, const dictionary& properties)
 {
   if (!properties.found("walls")) return;
   for (const entry& e : section(properties, "walls"))
@@ -183,11 +183,10 @@ static word lastWritten(const Time& time)
 
 dem_t* createParticles
 (
-  const fvMesh& mesh, const dictionary& properties, const part_box& box, const vector& gravity,
-  bool& restarted
+  const polyMesh& mesh, const dictionary& properties, const part_box& box, const vector& gravity,
+  dem_params& params, bool& restarted
 )
 {
-  dem_params params;
   part_params_default(&dem_params_table, &params);
   if (properties.found("gravity"))
   {

@@ -52,7 +52,7 @@ static point position(const cloudRow& row)
  * found one the lowest rank keeps the row. Fills rows and cells of this rank. */
 static void distribute
 (
-  const fvMesh& mesh, MPI_Comm comm, const DynamicList<cloudRow>& own, DynamicList<cloudRow>& rows,
+  const polyMesh& mesh, MPI_Comm comm, const DynamicList<cloudRow>& own, DynamicList<cloudRow>& rows,
   DynamicList<label>& cells, label& outside
 )
 {
@@ -109,7 +109,7 @@ static void distribute
   reduce(outside, sumOp<label>());
 }
 
-void writeParticleCloud(const fvMesh& mesh, part_store* store, MPI_Comm comm)
+void writeParticleCloud(const polyMesh& mesh, part_store* store, MPI_Comm comm)
 {
   const DynamicList<cloudRow> own(ownRows(store));
   DynamicList<cloudRow> rows;

@@ -1,11 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "particlePhase.H"
 
-#include "OSspecific.H"
 #include "Time.H"
 #include "foamParams.H"
-#include "particleCase.H"
-#include "particleCloud.H"
 #include "mathematicalConstants.H"
 #include "mixtureFields.H"
 
@@ -84,22 +81,20 @@ static cpl_particles particleView(part_store* s)
 
 particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
 :
+  system_(mesh, fluid.gravity),
   mesh_(mesh),
   fluid_(fluid),
-  demDict_(readConstant(mesh, "demProperties")),
   couplingDict_(readConstant(mesh, "couplingProperties")),
   meshView_(mesh),
   params_(),
-  dem_(nullptr),
+  dem_(system_.dem()),
   cpl_(nullptr),
   view_(),
   generation_(-1),
   moved_(true),
   deposited_(false),
   still_(false),
-  restarted_(false),
   volumeError_(0),
-  substeps_(0),
   smallestCell_(smallestCell(mesh)),
   epsParticles_
   (
@@ -124,9 +119,7 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
         << " on the solids, so the particles must get it; allowed: on, or model B, or twoWay off"
         << exit(FatalIOError);
   }
-  const part_box box = foamMesh::box(mesh);
-  dem_ = createParticles(mesh, demDict_, box, fluid.gravity, restarted_);
-  still_ = demDict_.getOrDefault("skip", true) && !anyMoves(dem_store(dem_));
+  still_ = system_.params().skip && !anyMoves(dem_store(dem_));
 
   cpl_fluid properties;
   properties.density = fluid.density;
@@ -139,18 +132,14 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
   (
     cpl_create
     (
-      particleCommunicator(), &meshView_.view(), &box, &params_, &properties, &cpl_
+      particleCommunicator(), &meshView_.view(), &system_.box(), &params_, &properties, &cpl_
     ),
     couplingDict_
   );
   if (!params_.two_way) epsParticles_.writeOpt() = IOobject::AUTO_WRITE;
 }
 
-particlePhase::~particlePhase()
-{
-  cpl_destroy(cpl_);
-  dem_destroy(dem_);
-}
+particlePhase::~particlePhase() { cpl_destroy(cpl_); }
 
 /* Weights of the particles where they are now; nothing to do if they have not moved. */
 void particlePhase::locate()
@@ -185,7 +174,7 @@ void particlePhase::deposit(volScalarField& eps, volVectorField& vp)
 
 bool particlePhase::start(volScalarField& eps, volVectorField& vp)
 {
-  if (!restarted_)
+  if (!system_.restarted())
   {
     deposit(eps, vp);
     return true;
@@ -211,7 +200,7 @@ void particlePhase::begin(const volVectorField& U, const volVectorField& stress)
 
 void particlePhase::advance(scalar dt, volScalarField& eps, volVectorField& vp, volVectorField& ap)
 {
-  checkStatus(dem_advance(dem_, dt, &substeps_), demDict_);
+  system_.advance(dt);
   if (still_ && deposited_)
   {
     view_ = particleView(dem_store(dem_));
@@ -298,30 +287,16 @@ scalar particlePhase::courant(scalar dt) const
   return r.max_speed*dt/smallestCell_;
 }
 
-scalar particlePhase::particleSteps() const
-{
-  return returnReduce(scalar(view_.count)*substeps_, sumOp<scalar>());
-}
-
 void particlePhase::write()
 {
-  const fileName folder(mesh_.time().globalPath()/"particles");
-  if (Pstream::master()) mkDir(folder);
-  const fileName file(folder/mesh_.time().timeName() + ".vtkhdf");
-  checkStatus
-  (
-    dem_write(dem_, file.c_str(), (folder/"particles.vtkhdf.series").c_str()), "particlePhase::write"
-  );
+  system_.write();
   moved_ = true; // the order is new
-  dem_set_time(dem_, mesh_.time().value()); // that of a restart
-  writeParticleCloud(mesh_, dem_store(dem_), particleCommunicator());
 }
 
 void particlePhase::reportPlan(Ostream& os) const
 {
   char text[4096];
-  checkStatus(dem_plan_text(dem_, sizeof text, text), "particlePhase::reportPlan");
-  os << text;
+  system_.reportPlan(os);
   if (still_) os << "locate, void fraction | no particle can move | worked out once" << nl;
   checkStatus(cpl_plan_text(cpl_, sizeof text, text), "particlePhase::reportPlan");
   os << text;
@@ -329,12 +304,9 @@ void particlePhase::reportPlan(Ostream& os) const
 
 void particlePhase::report(Ostream& os) const
 {
-  dem_report r;
-  checkStatus(dem_get_report(dem_, &r), "particlePhase::report");
-  os << "Particles: " << label(r.particles) << " substeps " << substeps_ << " contacts "
-     << label(r.contacts) << " + " << label(r.wall_contacts) << " on walls, max overlap "
-     << r.max_overlap << ", max speed " << r.max_speed << " m/s, volume error " << volumeError_ << nl
-     << "Particle momentum budget: error " << r.budget_error;
+  system_.report(os);
+  os << ", volume error " << volumeError_ << nl;
+  system_.reportBudget(os);
   const label outside = returnReduce(label(cpl_outside_range(cpl_)), sumOp<label>());
   if (outside > 0)
   {
@@ -359,8 +331,7 @@ void particlePhase::report(Ostream& os) const
 void particlePhase::reportTimers(Ostream& os) const
 {
   char text[4096];
-  checkStatus(part_timers_report(dem_timers(dem_), particleCommunicator(), sizeof text, text), "timers");
-  os << text;
+  system_.reportTimers(os);
   checkStatus(part_timers_report(cpl_timers(cpl_), particleCommunicator(), sizeof text, text), "timers");
   os << text;
 }

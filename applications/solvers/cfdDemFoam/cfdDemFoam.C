@@ -84,7 +84,7 @@ int main(int argc, char* argv[])
       restartTime(runTime);
       solids.write();
     }
-    pace.report(Info, solids.particleSteps());
+    pace.report(Info, solids.system().particleSteps());
   }
   solids.reportTimers(Info);
   Info<< "End" << nl << endl;

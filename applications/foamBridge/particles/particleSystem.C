@@ -1,0 +1,121 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "particleSystem.H"
+
+#include "OSspecific.H"
+#include "Time.H"
+#include "foamMesh.H"
+#include "foamParams.H"
+#include "particleCloud.H"
+
+namespace Foam
+{
+
+particleSystem::particleSystem(const polyMesh& mesh, const vector& gravity)
+:
+  mesh_(mesh),
+  dict_
+  (
+    IOobject
+    (
+      "demProperties", mesh.time().constant(), mesh, IOobject::MUST_READ, IOobject::NO_WRITE
+    )
+  ),
+  box_(foamMesh::box(mesh)),
+  params_(),
+  restarted_(false),
+  dem_(createParticles(mesh, dict_, box_, gravity, params_, restarted_)),
+  substeps_(0)
+{}
+
+particleSystem::~particleSystem() { dem_destroy(dem_); }
+
+void particleSystem::advance(scalar dt)
+{
+  checkStatus(dem_advance(dem_, dt, &substeps_), dict_);
+}
+
+void particleSystem::write()
+{
+  const fileName folder(mesh_.time().globalPath()/"particles");
+  if (Pstream::master()) mkDir(folder);
+  const fileName file(folder/mesh_.time().timeName() + ".vtkhdf");
+  checkStatus
+  (
+    dem_write(dem_, file.c_str(), (folder/"particles.vtkhdf.series").c_str()), "particleSystem::write"
+  );
+  dem_set_time(dem_, mesh_.time().value()); // that of a restart
+  writeParticleCloud(mesh_, dem_store(dem_), particleCommunicator());
+}
+
+void particleSystem::reportPlan(Ostream& os) const
+{
+  char text[4096];
+  checkStatus(dem_plan_text(dem_, sizeof text, text), "particleSystem::reportPlan");
+  os << text;
+}
+
+void particleSystem::reportStep(Ostream& os) const
+{
+  const scalar step = dem_stable_step(dem_);
+  if (step > GREAT)
+  {
+    os << "Contact step: not limited, nothing can touch" << nl;
+    return;
+  }
+  os << "Contact step: at most " << step << " s = timeStepFraction " << params_.time_step_fraction
+     << " of the shortest contact time, " << step/params_.time_step_fraction
+     << " s, of all materials that can meet (doc/equations.md D.11)" << nl;
+}
+
+void particleSystem::report(Ostream& os) const
+{
+  dem_report r;
+  checkStatus(dem_get_report(dem_, &r), "particleSystem::report");
+  auto count = [](int64_t n) { return std::to_string(n); }; // beyond OpenFOAM's label
+  os << "Particles: " << count(r.particles).c_str() << " substeps " << substeps_ << " contacts "
+     << count(r.contacts).c_str() << " + " << count(r.wall_contacts).c_str() << " on walls, max overlap "
+     << r.max_overlap << ", max speed " << r.max_speed << " m/s";
+}
+
+void particleSystem::reportBudget(Ostream& os) const
+{
+  dem_report r;
+  checkStatus(dem_get_report(dem_, &r), "particleSystem::reportBudget");
+  os << "Particle momentum budget: error " << r.budget_error;
+}
+
+void particleSystem::reportTimers(Ostream& os) const
+{
+  char text[4096];
+  checkStatus(part_timers_report(dem_timers(dem_), particleCommunicator(), sizeof text, text), "timers");
+  os << text;
+}
+
+scalar particleSystem::particleSteps() const
+{
+  return returnReduce(scalar(dem_store(dem_)->local)*substeps_, sumOp<scalar>());
+}
+
+scalar particleSystem::potentialEnergy() const
+{
+  part_store* s = dem_store(dem_);
+  const double* x = part_field_double(s, DEM_FIELD_POSITION);
+  const double* inverseMass = part_field_double(s, DEM_FIELD_SPHERE_INVERSE_MASS);
+  const int64_t* kind = part_field_int64(s, DEM_FIELD_KIND);
+  const int xStride = part_field_stride(s, DEM_FIELD_POSITION);
+  const int massStride = part_field_stride(s, DEM_FIELD_SPHERE_INVERSE_MASS);
+  const int kindStride = part_field_stride(s, DEM_FIELD_KIND);
+  scalar energy = 0;
+  for (int i = 0; i < s->local; ++i)
+  {
+    if (kind[i*kindStride] == DEM_FIXED) continue;
+    for (int d = 0; d < 3; ++d)
+    {
+      if (box_.periodic[d]) continue;
+      energy -= params_.gravity[d]*(x[i*xStride + d] - box_.lo[d])/inverseMass[i*massStride];
+    }
+  }
+  return returnReduce(energy, sumOp<scalar>());
+}
+
+} // namespace Foam
