@@ -145,13 +145,13 @@ def decompose(case, ranks, method):
         case.run('decomposePar', '-force')
 
 
-def solve(case, ranks=1, method='simple', decomposed=False, check=True, timeout=300):
-    """Run cfdDemFoam on 1 or more ranks (after decomposePar, if not decomposed yet); (exit status, log)."""
+def solve(case, ranks=1, method='simple', decomposed=False, check=True, timeout=300, solver='cfdDemFoam'):
+    """Run the solver on 1 or more ranks (after decomposePar, if not decomposed yet); (exit status, log)."""
     if ranks == 1:
-        return case.run('cfdDemFoam', check=check, timeout=timeout)
+        return case.run(solver, check=check, timeout=timeout)
     if not decomposed:
         decompose(case, ranks, method)
-    return case.run('mpirun', '-np', str(ranks), 'cfdDemFoam', '-parallel', check=check, timeout=timeout)
+    return case.run('mpirun', '-np', str(ranks), solver, '-parallel', check=check, timeout=timeout)
 
 
 def numbers(text):
