@@ -6,7 +6,7 @@
 #   make check           the same, then every tests/{particle,dem,coupling,sph}/test_*.c
 #   make layers          fail on an #include that points the wrong way (tests/layers.sh)
 #   make bench           the programs of tests/benchmark/*.c, into build/tests/benchmark
-#   make install PREFIX=/usr/local
+#   make install PREFIX=/usr/local    libraries, headers, pkg-config files (PREFIX/lib/pkgconfig/lib{particle,dem,...}.pc)
 #   make clean
 #
 #   CHECK="--only dem"   passes options to tests/run (tests/run --help)
@@ -178,10 +178,32 @@ layers:
 
 # ------------------------------------------------------------------------------------------- install, clean
 
+# A pkg-config file for each library: its headers need MPI's, its static form also what the shared one is linked with.
+VERSION := 0.1
+about_particle := storage, neighbours, domain decomposition and files of particles
+about_dem      := discrete elements: contact, walls, rigid bodies, integration
+about_coupling := void fraction, drag and momentum exchange between particles and cells
+about_sph      := smoothed particle hydrodynamics
+
+define pc_text
+prefix=$(PREFIX)
+libdir=$${prefix}/lib
+includedir=$${prefix}/include
+
+Name: lib$(1)
+Description: $(about_$(1))
+Version: $(VERSION)
+Requires:$(patsubst %, lib%,$(deps_$(1)))
+Cflags: -I$${includedir} $(strip $(MPI_CFLAGS))
+Libs: -L$${libdir} -l$(1) $(strip $(MPI_LIBS))
+Libs.private: $(strip $(LIBS_ALL))
+endef
+
 install: all
-	@mkdir -p $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/lib
+	@mkdir -p $(DESTDIR)$(PREFIX)/include $(DESTDIR)$(PREFIX)/lib/pkgconfig
 	$(foreach l,$(libs),cp -R lib$(l)/include/. $(DESTDIR)$(PREFIX)/include/ &&) true
 	$(foreach l,$(libs),cp $(O)/lib/lib$(l).a $(O)/lib/lib$(l).so $(DESTDIR)$(PREFIX)/lib/ &&) true
+	$(foreach l,$(libs),$(file >$(O)/lib$(l).pc,$(call pc_text,$(l)))cp $(O)/lib$(l).pc $(DESTDIR)$(PREFIX)/lib/pkgconfig/ &&) true
 
 clean:
 	rm -rf build
