@@ -29,6 +29,11 @@ static int check_fluid(const dem_t *dem) {
           "fluid force on particle %lld at (%g %g %g) m, time %g s: Su = (%g %g %g) N, "
           "Sp = %g kg/s; must be finite, Sp >= 0",
           (long long)dem_id(dem, i), x[0], x[1], x[2], dem->time, f[0], f[1], f[2], f[3]);
+    if (dem->shape.flat && f[2] != 0.0)
+      return part_fail(PART_ERR_RANGE,
+                       "fluid force on particle %lld at (%g %g %g) m, time %g s: its z component "
+                       "is %g N; must be 0 with dimensions 2",
+                       (long long)dem_id(dem, i), x[0], x[1], x[2], dem->time, f[2]);
   }
   return PART_OK;
 }
@@ -181,6 +186,11 @@ int dem_kick(dem_t *dem, const double *impulse) {
     if (!isfinite(j[0] + j[1] + j[2]))
       status = part_fail(PART_ERR_NUMERIC, "the impulse on particle %lld is not finite",
                          (long long)dem_id(dem, i));
+    if (dem->shape.flat && j[2] != 0.0)
+      status = part_fail(PART_ERR_RANGE,
+                         "the impulse on particle %lld has a z component of %g N s; must be 0 "
+                         "with dimensions 2",
+                         (long long)dem_id(dem, i), j[2]);
     if (kind != DEM_FIXED)
       dem_sum_add(&dem->fluid_impulse, j, 1.0);
     for (int c = 0; c < 3; c++) {

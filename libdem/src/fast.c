@@ -207,6 +207,7 @@ void dem_fast_step(dem_t *dem, double t, double h, double *way) {
                        .kick = dem->fast.kick,
                        .materials = dem->materials,
                        .tangential = dem->plan.tangential,
+                       .spin = dem->shape.spin,
                        .dt = h};
   for (int m = 0; m < dem->materials; m++) {
     const double factor = dem_gravity_factor(dem, m, t, h);

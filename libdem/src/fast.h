@@ -41,6 +41,7 @@ typedef struct dem_motion {
   double *xr, *vm, *ft;
   const double *kick; /* [materials][4] m/s, gravity times dt */
   int materials, tangential;
+  double spin; /* m r^2/I */
   double dt;
   double most[3]; /* m2/s2, largest squares of velocity components, gathered */
 } dem_motion;

@@ -191,7 +191,7 @@ INLINE void run_sparse(const dem_lanes *in, int from, int to, law_function *law)
       in->spring[c][p.from[k]] = p.spring[c][k];
 }
 
-/* I = 2/5 m r^2, so that r domega/dt = 5/2 (torque/r)/m. */
+/* I = m r^2/spin, so that r domega/dt = spin (torque/r)/m. */
 INLINE void run_move(dem_motion *m, int from, int to, int tangential) {
   const double h = m->dt;
   const quad zero = {0.0, 0.0, 0.0, 0.0}, drift = {h, h, h, 0.0};
@@ -208,7 +208,7 @@ INLINE void run_move(dem_motion *m, int from, int to, int tangential) {
     most = (quad)_mm256_max_pd((__m256d)most, (__m256d)(now * now));
     f[0] = zero;
     if (tangential) {
-      v[1] += f[1] * (2.5 * w);
+      v[1] += f[1] * (m->spin * w);
       f[1] = zero;
     }
   }

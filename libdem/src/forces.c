@@ -20,6 +20,15 @@ void dem_no_forces(dem_t *dem) {
   memset(dem_ft(dem), 0, (size_t)dem->store->local * DEM_FT * sizeof(double));
 }
 
+/* Pairs in a plane of constant z have forces in the plane to the last bit; contacts with triangles
+ * and bonds only to rounding. */
+static void flatten(dem_t *dem) {
+  double *ft = dem_ft(dem);
+  for (int i = 0; i < dem->store->local; i++)
+    ft[DEM_FT * (size_t)i + 2] = ft[DEM_FT * (size_t)i + 4] = ft[DEM_FT * (size_t)i + 5] = 0.0;
+  dem->wall_force[2] = 0.0;
+}
+
 void dem_wall_stage(dem_t *dem, double dt) {
   for (int c = 0; c < 3; c++)
     dem->wall_force[c] = 0.0;
@@ -28,6 +37,8 @@ void dem_wall_stage(dem_t *dem, double dt) {
     dem_wall_forces(dem, dt);
     part_timers_stop(dem->timers, dem->stage[DEM_STAGE_WALLS]);
   }
+  if (dem->shape.flat)
+    flatten(dem);
 }
 
 int dem_forces(dem_t *dem, double dt) {

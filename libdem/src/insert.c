@@ -62,6 +62,20 @@ int dem_insert_lattice(const dem_insert *insert, dem_seed **seed, int64_t *count
   return PART_OK;
 }
 
+static int check_plane(const dem_t *dem, const dem_seed *seed, int64_t id) {
+  if (seed->x[2] != dem->shape.plane)
+    return part_fail(PART_ERR_RANGE,
+                     "particle %lld at (%g %g %g) m: z differs by %g m from that of the first "
+                     "particle; with dimensions 2 all centres have the same z",
+                     (long long)id, seed->x[0], seed->x[1], seed->x[2],
+                     seed->x[2] - dem->shape.plane);
+  if (seed->v[2] != 0.0)
+    return part_fail(PART_ERR_RANGE,
+                     "particle %lld: velocity %g m/s along z; must be 0 with dimensions 2",
+                     (long long)id, seed->v[2]);
+  return PART_OK;
+}
+
 /* One particle by itself: a size, a place in the box, room in the domain. */
 static int check_seed(const dem_t *dem, const dem_seed *seed, int64_t id) {
   const part_box *box = &dem->box;
@@ -73,7 +87,7 @@ static int check_seed(const dem_t *dem, const dem_seed *seed, int64_t id) {
     if (!isfinite(seed->x[c]) || !isfinite(seed->v[c]))
       return part_fail(PART_ERR_NUMERIC, "particle %lld: position or velocity is not finite",
                        (long long)id);
-    if (2.0 * seed->r > box->hi[c] - box->lo[c])
+    if (2.0 * seed->r > box->hi[c] - box->lo[c] && !(c == 2 && dem->shape.flat))
       return part_fail(PART_ERR_RANGE,
                        "particle %lld: diameter %g m is larger than the domain (%g m in %c)",
                        (long long)id, 2.0 * seed->r, box->hi[c] - box->lo[c], "xyz"[c]);
@@ -84,7 +98,7 @@ static int check_seed(const dem_t *dem, const dem_seed *seed, int64_t id) {
                        (long long)id, seed->x[0], seed->x[1], seed->x[2], box->lo[0], box->lo[1],
                        box->lo[2], box->hi[0], box->hi[1], box->hi[2]);
   }
-  return PART_OK;
+  return dem->shape.flat ? check_plane(dem, seed, id) : PART_OK;
 }
 
 /* New particles against each other and against those that are there. */
@@ -144,6 +158,8 @@ static int generate(const dem_t *dem, const dem_insert *insert, dem_seed **seed,
 
 static int accept(dem_t *dem, const dem_insert *insert, int block, int material, dem_seed *seed,
                   int64_t count) {
+  if (dem->seeds == 0)
+    dem->shape.plane = seed[0].x[2];
   for (int64_t k = 0; k < count; k++) {
     seed[k].material = material;
     seed[k].kind = insert->kind;

@@ -13,9 +13,21 @@ static double draw(uint64_t *state) {
   return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
-static int check(const dem_insert *insert, double d_max) {
+/* Volume (m3, area m2 in two dimensions) of all, on average over the sizes. */
+static double all_volume(const dem_insert *insert, double d_max, int flat) {
+  const double pi = 3.14159265358979323846, n = (double)insert->number;
+  /* means of d^2 and d^3 over [a, b]: (a^2 + a b + b^2)/3 and (a + b)(a^2 + b^2)/4 */
+  const double a = insert->diameter, b = d_max;
+  return flat ? n * pi / 12.0 * (a * a + a * b + b * b) : n * pi / 24.0 * (a + b) * (a * a + b * b);
+}
+
+static double region(const dem_insert *insert, int flat) {
+  return insert->extent[0] * insert->extent[1] * (flat ? 1.0 : insert->extent[2]);
+}
+
+static int check(const dem_insert *insert, double d_max, int flat) {
   const char *table = dem_insert_table.name;
-  const double pi = 3.14159265358979323846;
+  const int directions = flat ? 2 : 3;
   if (insert->number < 1)
     return part_fail(PART_ERR_RANGE, "%s: entry number: zero particles requested", table);
   if (!(insert->diameter > 0.0))
@@ -24,28 +36,31 @@ static int check(const dem_insert *insert, double d_max) {
   if (d_max < insert->diameter)
     return part_fail(PART_ERR_RANGE, "%s: entry diameterMax: %g m is below diameter %g m", table,
                      d_max, insert->diameter);
-  for (int c = 0; c < 3; c++)
+  if (flat && insert->extent[2] != 0.0)
+    return part_fail(PART_ERR_RANGE, "%s: entry extent: %g m in z; must be 0 with dimensions 2",
+                     table, insert->extent[2]);
+  for (int c = 0; c < directions; c++)
     if (insert->extent[c] < d_max)
       return part_fail(PART_ERR_RANGE,
                        "%s: entry extent: %g m in %c does not hold a sphere of %g m", table,
                        insert->extent[c], "xyz"[c], d_max);
-  /* mean of d^3 over [a, b] = (a + b)(a^2 + b^2)/4 */
-  const double a = insert->diameter, b = d_max;
-  const double volume = (double)insert->number * pi / 24.0 * (a + b) * (a * a + b * b);
-  const double room = insert->extent[0] * insert->extent[1] * insert->extent[2];
-  if (volume > 0.64 * room)
+  const double part = all_volume(insert, d_max, flat) / region(insert, flat);
+  if (part > (flat ? 0.84 : 0.64))
     return part_fail(PART_ERR_RANGE,
-                     "%s: entry number: %lld spheres would fill %.3g of the region; random "
-                     "placing reaches about 0.38, random packing 0.64",
-                     table, (long long)insert->number, volume / room);
+                     "%s: entry number: %lld %s would fill %.3g of the region; random "
+                     "placing reaches about %s",
+                     table, (long long)insert->number, flat ? "discs" : "spheres", part,
+                     flat ? "0.54, random packing 0.84" : "0.38, random packing 0.64");
   return PART_OK;
 }
 
 /* A free place for seed, or ERR_RANGE after TRIES. */
-static int place(const dem_insert *insert, const dem_grid *grid, uint64_t *state, dem_seed *seed) {
+static int place(const dem_insert *insert, int flat, const dem_grid *grid, uint64_t *state,
+                 dem_seed *seed) {
   double overlap;
+  seed->x[2] = insert->origin[2];
   for (int t = 0; t < TRIES; t++) {
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < (flat ? 2 : 3); c++)
       seed->x[c] = insert->origin[c] + seed->r + draw(state) * (insert->extent[c] - 2.0 * seed->r);
     if (dem_grid_overlap(grid, seed->x, seed->r, 0.0, &overlap) < 0)
       return PART_OK;
@@ -56,20 +71,22 @@ static int place(const dem_insert *insert, const dem_grid *grid, uint64_t *state
 static int fill(const dem_t *dem, const dem_insert *insert, double d_max, dem_grid *grid,
                 dem_seed *seed) {
   uint64_t state = (uint64_t)insert->seed;
+  const int flat = dem->shape.flat;
   double volume = 0.0;
   for (int64_t k = 0; k < dem->seeds; k++)
     PART_TRY(dem_grid_add(grid, dem->seed[k].x, dem->seed[k].r));
   for (int64_t k = 0; k < insert->number; k++) {
     seed[k].r = 0.5 * (insert->diameter + draw(&state) * (d_max - insert->diameter));
     memcpy(seed[k].v, insert->velocity, sizeof seed[k].v);
-    if (place(insert, grid, &state, &seed[k]) != PART_OK)
+    if (place(insert, flat, grid, &state, &seed[k]) != PART_OK)
       return part_fail(PART_ERR_RANGE,
-                       "%s: entry number: only %lld of %lld spheres (volume fraction %.3g) found a "
+                       "%s: entry number: only %lld of %lld %s (%s fraction %.3g) found a "
                        "free place in %d tries each; ask for fewer or a larger extent",
                        dem_insert_table.name, (long long)k, (long long)insert->number,
-                       volume / (insert->extent[0] * insert->extent[1] * insert->extent[2]), TRIES);
+                       flat ? "discs" : "spheres", flat ? "area" : "volume",
+                       volume / region(insert, flat), TRIES);
     PART_TRY(dem_grid_add(grid, seed[k].x, seed[k].r));
-    volume += 4.0 / 3.0 * 3.14159265358979323846 * seed[k].r * seed[k].r * seed[k].r;
+    volume += 3.14159265358979323846 * seed[k].r * seed[k].r * (flat ? 1.0 : 4.0 / 3.0 * seed[k].r);
   }
   return PART_OK;
 }
@@ -78,7 +95,7 @@ int dem_insert_random(const dem_t *dem, const dem_insert *insert, dem_seed **see
   const double d_max = insert->diameter_max > 0.0 ? insert->diameter_max : insert->diameter;
   double r_max = 0.5 * d_max;
   dem_grid *grid;
-  PART_TRY(check(insert, d_max));
+  PART_TRY(check(insert, d_max, dem->shape.flat));
   for (int64_t k = 0; k < dem->seeds; k++)
     r_max = dem->seed[k].r > r_max ? dem->seed[k].r : r_max;
   PART_TRY(dem_allocate((size_t)insert->number, sizeof **seed, seed));

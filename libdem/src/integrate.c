@@ -82,8 +82,8 @@ static void kick(dem_t *dem, double t, double h, double drift_h, int fluid) {
     else
       move_dry(&step, x, v, f);
     if (dem->plan.tangential) {
-      /* I = 2/5 m r^2; for spins see fast.h */
-      const double turn = 2.5 * h * v[3] / (dem->fast.spins ? 1.0 : x[3] * x[3]);
+      /* for spins see fast.h */
+      const double turn = dem->shape.spin * h * v[3] / (dem->fast.spins ? 1.0 : x[3] * x[3]);
       for (int c = 4; c < 7; c++)
         v[c] += turn * f[c];
     }

@@ -59,6 +59,15 @@ typedef struct dem_plan {
   int movable;    /* something moves */
 } dem_plan;
 
+/* Solids of revolution about the axis they turn about: spheres in space, discs in two dimensions. */
+typedef struct dem_shape {
+  int flat;               /* discs in a plane of constant z */
+  double plane;           /* m, that z: of the first particle */
+  double depth;           /* m, length of discs */
+  double spin;            /* m r^2/I: 5/2, 2 */
+  double tangential_mass; /* of m_eff when both may turn, 1/(1 + spin): 2/7, 1/3 */
+} dem_shape;
+
 enum dem_stage {
   DEM_STAGE_INTEGRATE,
   DEM_STAGE_CONTACT,
@@ -73,6 +82,7 @@ struct dem_t {
   MPI_Comm comm;
   int rank, ranks;
   dem_params params;
+  dem_shape shape;
   part_domain *domain;
   part_box box;
   part_store *store;
@@ -148,11 +158,15 @@ static inline int dem_block_of(const dem_t *dem, int i) {
 static inline int dem_material_of(const dem_t *dem, int i) {
   return (int)dem_vm(dem)[DEM_VM * (size_t)i + 7];
 }
-/* Mass of the sphere itself (kg): INVERSE_MASS is zero when fixed and the block's in a block. */
+/* Mass of a sphere or disc (kg). */
+static inline double dem_mass(const dem_t *dem, int material, double r) {
+  const double pi = 3.14159265358979323846, density = dem->material[material].density;
+  return dem->shape.flat ? density * pi * r * r * dem->shape.depth
+                         : density * (4.0 / 3.0 * pi) * r * r * r;
+}
+/* Mass of the particle itself (kg): INVERSE_MASS is zero when fixed and the block's in a block. */
 static inline double dem_own_mass(const dem_t *dem, int i) {
-  const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3];
-  return dem->material[dem_material_of(dem, i)].density * (4.0 / 3.0 * 3.14159265358979323846) * r *
-         r * r;
+  return dem_mass(dem, dem_material_of(dem, i), dem_xr(dem)[DEM_XR * (size_t)i + 3]);
 }
 
 static inline void dem_sum_add(dem_sum *sum, const double part[3], double factor) {

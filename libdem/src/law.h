@@ -9,9 +9,10 @@
 
 /* Coefficients of a pair of materials, derived from dem_contact by the law. */
 typedef struct dem_coefs {
-  int law;         /* row of contact_laws.def, -1: the pair has no contact given */
-  double k_n, k_t; /* N/m */
-  double c_n, c_t; /* as the law needs them */
+  int law;                /* row of contact_laws.def, -1: the pair has no contact given */
+  double tangential_mass; /* of m_eff: 2/7 of spheres, 1/3 of discs; set before the law's coefs */
+  double k_n, k_t;        /* N/m */
+  double c_n, c_t;        /* as the law needs them */
   double mu;
 } dem_coefs;
 

@@ -82,8 +82,10 @@ static int survey(const dem_t *dem, scene *s) {
 static int set_coefs(dem_t *dem) {
   const int n = dem->materials;
   PART_TRY(dem_allocate((size_t)n * (size_t)n, sizeof *dem->coefs, &dem->coefs));
-  for (int k = 0; k < n * n; k++)
+  for (int k = 0; k < n * n; k++) {
     dem->coefs[k].law = -1;
+    dem->coefs[k].tangential_mass = dem->shape.tangential_mass;
+  }
   for (int every = 1; every >= 0; every--) /* the general one first, the particular ones over it */
     for (int k = 0; k < dem->given_contacts; k++) {
       const dem_given_contact *g = &dem->given[k];

@@ -19,7 +19,7 @@ static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
                                        (double)dem->generation,
                                        (double)dem->ranks,
                                        dem->skin,
-                                       0.0};
+                                       dem->shape.depth};
   memcpy(value, packed, sizeof packed);
 }
 
@@ -245,6 +245,10 @@ static int unpack_state(dem_t *dem, const char *path, const double *value) {
                      "%s was written with %d materials and %d wall elements; now there are %d and "
                      "%d",
                      path, (int)value[3], (int)value[4], dem->materials, (int)dem->walls.elements);
+  if (value[11] != dem->shape.depth)
+    return part_fail(PART_ERR_FORMAT,
+                     "%s was written with a depth of %g m (0: spheres); now it is %g m", path,
+                     value[11], dem->shape.depth);
   dem->time = value[0];
   dem->r_mean = value[1];
   dem->total = (int64_t)value[2];

@@ -42,8 +42,7 @@ static int make_blocks(dem_t *dem) {
     if (seed->kind != DEM_BLOCK)
       continue;
     dem_block *block = &dem->block[seed->block];
-    const double mass = dem->material[seed->material].density * 4.0 / 3.0 * 3.14159265358979323846 *
-                        seed->r * seed->r * seed->r;
+    const double mass = dem_mass(dem, seed->material, seed->r);
     block->members++;
     block->mass += mass;
     dem->block_gravity[seed->block * dem->materials + seed->material] += mass;

@@ -52,6 +52,11 @@ int dem_add_plane(dem_t *dem, const char *name, int material, const double point
                        "plane %s: its normal has a component along %c, in which the domain is "
                        "periodic",
                        name, "xyz"[c]);
+  if (dem->shape.flat && normal[2] != 0.0)
+    return part_fail(PART_ERR_RANGE,
+                     "plane %s: its normal has a z component; with dimensions 2 walls stand on the "
+                     "plane of the particles",
+                     name);
   PART_TRY(add_wall(dem, name, material, 1, &e));
   e->plane = 1;
   for (int c = 0; c < 3; c++) {
@@ -86,6 +91,27 @@ static int set_triangle(dem_element *e, const char *name, int k, const double *v
   return PART_OK;
 }
 
+/* In two dimensions: triangles parallel to the plane only bound the depth and are left out; others
+ * must be at right angles to it. Single precision of STL files is allowed for. */
+static int stand_up(const char *name, dem_element *e, int count, int *kept) {
+  *kept = 0;
+  for (int k = 0; k < count; k++) {
+    if (fabs(e[k].n[2]) > 1.0 - 1e-6)
+      continue;
+    if (fabs(e[k].n[2]) > 1e-5)
+      return part_fail(PART_ERR_RANGE,
+                       "wall %s: triangle %d at (%g %g %g) m is inclined to the plane of the "
+                       "particles; with dimensions 2 walls stand on it",
+                       name, k, e[k].a[0], e[k].a[1], e[k].a[2]);
+    e[(*kept)++] = e[k];
+  }
+  if (*kept == 0)
+    return part_fail(PART_ERR_RANGE,
+                     "wall %s: no triangle stands on the plane of the particles (dimensions 2)",
+                     name);
+  return PART_OK;
+}
+
 int dem_add_triangles(dem_t *dem, const char *name, int material, int count,
                       const double *vertices) {
   dem_element *e;
@@ -94,6 +120,9 @@ int dem_add_triangles(dem_t *dem, const char *name, int material, int count,
   PART_TRY(add_wall(dem, name, material, count, &e));
   for (int k = 0; k < count; k++)
     PART_TRY(set_triangle(&e[k], name, k, vertices + 9 * (size_t)k));
+  if (dem->shape.flat)
+    PART_TRY(stand_up(name, e, count, &count));
+  dem->walls.wall[dem->walls.count].count = count;
   dem->walls.elements += (size_t)count;
   dem->walls.count++;
   return PART_OK;

@@ -53,6 +53,8 @@ typedef struct dem_params {
   double time_step_fraction; /* of the shortest contact time, default 1/50 */
   double skin_fraction;      /* Verlet skin over the mean radius, to begin with */
   double max_overlap;        /* of the smaller radius: ERR_OVERLAP at insertion, reported later */
+  int64_t dimensions;        /* 3: spheres; 2: discs in a plane of constant z */
+  double depth;              /* m, length of discs; positive with two dimensions, else 0 */
   double balance_ratio;      /* repartition when largest/mean particle number exceeds it */
   int skip;                  /* 1: leave out what the scene does not need (scene plan) */
 } dem_params;

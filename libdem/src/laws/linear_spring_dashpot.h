@@ -6,16 +6,14 @@
  *
  * c_n = 2 zeta sqrt(k_n m_eff) with zeta = -ln e / sqrt(pi^2 + ln^2 e): the closed form of a
  * head-on collision that lasts until delta = 0 again (F_n may pull shortly before that). The
- * tangential mass of two solid spheres that may turn is 2/7 m_eff, so c_t = 2 zeta sqrt(k_t 2/7
- * m_eff) gives the tangential oscillation the same damping ratio. The limit holds for the whole
+ * tangential mass of two solid spheres that may turn is 2/7 m_eff (of discs 1/3), so c_t = 2 zeta
+ * sqrt(k_t 2/7 m_eff) gives the tangential oscillation the same damping ratio. The limit holds for the whole
  * tangential force; when it slides, the spring is cut back so that -k_t xi - c_t v_t is that force.
  */
 #ifndef DEM_LAW_LINEAR_SPRING_DASHPOT_H
 #define DEM_LAW_LINEAR_SPRING_DASHPOT_H
 
 #include "../law.h"
-
-#define DEM_TANGENTIAL_MASS (2.0 / 7.0) /* of m_eff, solid spheres */
 
 static inline void dem_law_linear_spring_dashpot_coefs(const dem_contact *contact,
                                                        dem_coefs *coefs) {
@@ -26,7 +24,7 @@ static inline void dem_law_linear_spring_dashpot_coefs(const dem_contact *contac
   coefs->k_t = contact->tangential_ratio * contact->normal_stiffness;
   /* Times sqrt(m_eff) in the law. */
   coefs->c_n = 2.0 * zeta * sqrt(coefs->k_n);
-  coefs->c_t = 2.0 * zeta * sqrt(coefs->k_t * DEM_TANGENTIAL_MASS);
+  coefs->c_t = 2.0 * zeta * sqrt(coefs->k_t * coefs->tangential_mass);
   coefs->mu = contact->friction;
 }
 
@@ -34,7 +32,7 @@ static inline void dem_law_linear_spring_dashpot_coefs(const dem_contact *contac
 static inline double dem_law_linear_spring_dashpot_time(const dem_coefs *coefs,
                                                         double inverse_mass) {
   const double pi = 3.14159265358979323846;
-  const double k_t = coefs->mu > 0.0 ? coefs->k_t / DEM_TANGENTIAL_MASS : 0.0;
+  const double k_t = coefs->mu > 0.0 ? coefs->k_t / coefs->tangential_mass : 0.0;
   return pi / sqrt(inverse_mass * (k_t > coefs->k_n ? k_t : coefs->k_n));
 }
 
