@@ -5,7 +5,7 @@
 
 #include "coupling/coupling.h"
 #include "memory.h"
-#include "overlap.h"
+#include "search.h"
 #include "weights.h"
 
 enum cpl_stage { CPL_LOCATE, CPL_VOID, CPL_SAMPLE, CPL_FORCE, CPL_SOURCE, CPL_REACT, CPL_STAGES };

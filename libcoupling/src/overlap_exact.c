@@ -8,10 +8,11 @@
  * so the sum over cells is Vs by construction. A face of the border takes volume out of the mesh.
  * When the centre is close to a face that the ball meets, D jumps and loses digits: the cells are
  * computed again in the flux form (polyhedron_sphere.h), which is continuous. */
-#include "search.h"
 #include "box_sphere.h"
+#include "overlap_methods.h"
 #include "polyhedron_sphere.h"
-#include "tensor_grid.h"
+#include "search_type.h"
+#include "tensor_overlap.h"
 
 #include <math.h>
 #include <string.h>
@@ -103,36 +104,39 @@ static double fan_deficit(walk *w, int f, int count, int *met) {
   return fan(w, f, count, deficit_form, met);
 }
 
-static double polygon_deficit(walk *w, int f, int count, int *met) {
+/* A planar convex face: its corners in radii and its edges, all in its own sense. */
+typedef struct {
+  double v[CPL_POLYGON_MAX][3];
   cpl_edge edge[CPL_POLYGON_MAX];
-  cpl_polygon_edge ref[CPL_POLYGON_MAX];
-  double v[CPL_POLYGON_MAX][3], r[CPL_POLYGON_MAX];
+  cpl_polygon_edge side[CPL_POLYGON_MAX];
+} polygon;
+
+static inline void polygon_set(const walk *w, int f, int count, polygon *p) {
+  double r[CPL_POLYGON_MAX];
   for (int i = 0; i < count; i++)
-    r[i] = relative(w, corner(w, f, i), v[i]);
+    r[i] = relative(w, corner(w, f, i), p->v[i]);
   for (int i = 0; i < count; i++) {
     const int j = i + 1 < count ? i + 1 : 0;
-    cpl_edge_set(v[i], r[i], v[j], r[j], &edge[i]);
-    ref[i] = (cpl_polygon_edge){&edge[i], 1.0};
+    cpl_edge_set(p->v[i], r[i], p->v[j], r[j], &p->edge[i]);
+    p->side[i] = (cpl_polygon_edge){&p->edge[i], 1.0};
   }
+}
+
+static double polygon_deficit(walk *w, int f, int count, int *met) {
+  polygon p;
+  polygon_set(w, f, count, &p);
   const double *n = w->s->plane[f].n;
-  return deficit_form(w, count, ref, n, dot(n, v[0]), NULL, met);
+  return deficit_form(w, count, p.side, n, dot(n, p.v[0]), NULL, met);
 }
 
 static double polygon_flux(walk *w, int f, int count) {
-  cpl_edge edge[CPL_POLYGON_MAX];
-  cpl_polygon_edge ref[CPL_POLYGON_MAX];
-  double v[CPL_POLYGON_MAX][3], r[CPL_POLYGON_MAX], angle = 0.0;
-  for (int i = 0; i < count; i++)
-    r[i] = relative(w, corner(w, f, i), v[i]);
-  for (int i = 0; i < count; i++) {
-    const int j = i + 1 < count ? i + 1 : 0;
-    cpl_edge_set(v[i], r[i], v[j], r[j], &edge[i]);
-    ref[i] = (cpl_polygon_edge){&edge[i], 1.0};
-  }
-  const double *n = w->s->plane[f].n, h = dot(n, v[0]);
+  polygon p;
+  double angle = 0.0;
+  polygon_set(w, f, count, &p);
+  const double *n = w->s->plane[f].n, h = dot(n, p.v[0]);
   for (int i = 1; i + 1 < count && fabs(h) >= 1.0; i++)
-    angle += cpl_solid_angle(v[0], v[i], v[i + 1]);
-  return cpl_polygon_flux(count, ref, n, h, angle);
+    angle += cpl_solid_angle(p.v[0], p.v[i], p.v[i + 1]);
+  return cpl_polygon_flux(count, p.side, n, h, angle);
 }
 
 /* D of face f for its owner, in radii cubed. */
@@ -265,8 +269,9 @@ static int collect(walk *w, cpl_overlaps *list) {
   return PART_OK;
 }
 
-int cpl_overlap_exact(cpl_search *s, const double centre[3], double radius, int *hint,
-                      cpl_overlaps *list) {
+int cpl_overlap_exact(cpl_search *s, int sub_cells, const double centre[3], double radius,
+                      int *hint, cpl_overlaps *list) {
+  (void)sub_cells;
   if (!(radius > 0.0 && radius < HUGE_VAL))
     return part_fail(PART_ERR_RANGE, "overlap: radius %g m is not in (0, inf)", radius);
   walk w = {.s = s, .centre = centre, .radius = radius, .inverse = 1.0 / radius};

@@ -2,7 +2,12 @@
 /* Sub-cells (Markauskas et al. 2017, section 3.1): a cell is divided into n^3 parts and a part
  * belongs to the sphere when its centre does. Instead of testing all of them, each row of sub-cells
  * along the first direction is cut by the sphere in one interval; its ends are then checked with
- * the plain test, so the marks are those of testing every centre. */
+ * the plain test, so the marks are those of testing every centre.
+ *
+ * Boxes and hexahedra: equal parts of the cell's trilinear coordinates. Other cells: the parts of
+ * an n^3 grid over the cell's bound whose centres are in the cell. The volumes add up to about that
+ * of the sphere only, and a sphere that holds no centre gets none. */
+#include "overlap_methods.h"
 #include "sub_cell.h"
 
 #include <math.h>
@@ -312,11 +317,10 @@ int cpl_sub_cell_points(cpl_search *s, int n, int cell, double *point) {
   return PART_OK;
 }
 
-int cpl_overlap_sub_cell(cpl_search *s, int n, const double centre[3], double radius, int *hint,
-                         cpl_overlaps *list) {
+int cpl_overlap_subCell(cpl_search *s, int n, const double centre[3], double radius, int *hint,
+                        cpl_overlaps *list) {
   sub_cells q = {s, n, centre, radius * radius, radius, NULL, NULL};
   PART_TRY(begin(&q));
-  const int before = list->count;
   int status = PART_OK;
   *hint = cpl_search_cell(s, centre, *hint);
   cpl_search_queue_touching(s, centre, radius, 0);
@@ -327,7 +331,5 @@ int cpl_overlap_sub_cell(cpl_search *s, int n, const double centre[3], double ra
       status = cpl_overlaps_add(list, s->queue[i], volume);
   }
   cpl_search_done(s);
-  if (status == PART_OK && list->count == before && *hint >= 0)
-    status = cpl_overlap_centre(s, centre, radius, hint, list);
   return status;
 }

@@ -13,7 +13,7 @@
 #define COUPLING_RENDEZVOUS_H
 
 #include "coupling/coupling.h"
-#include "overlap.h"
+#include "search.h"
 
 typedef struct cpl_rendezvous cpl_rendezvous;
 

@@ -3,7 +3,7 @@
 #ifndef COUPLING_RENDEZVOUS_BINS_H
 #define COUPLING_RENDEZVOUS_BINS_H
 
-#include "overlap.h"
+#include "search.h"
 
 typedef struct cpl_bins {
   double lo[3], hi[3]; /* bounds of the whole mesh, widened by round-off, m */

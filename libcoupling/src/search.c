@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which cell contains a point; life of a search. */
-#include "search.h"
+#include "search_type.h"
 #include "sub_cell.h"
 #include "tensor_grid.h"
 #include "polyhedron_sphere.h"

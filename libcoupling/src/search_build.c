@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Faces as planes and fans, cells as lists of faces and boxes, bins. See search.h. */
-#include "search.h"
+#include "search_type.h"
 #include "polyhedron_sphere.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 #define COUPLING_SUB_CELL_H
 
 #include <stdint.h>
-#include "search.h"
+#include "search_type.h"
 
 /* Of cells that are not boxes, in the trilinear order: corner b at (b & 1, b >> 1 & 1, b >> 2). */
 struct cpl_hexes {

@@ -91,7 +91,8 @@ static int place_cells(const cpl_search *s, cpl_tensor *t) {
     for (int d = 2; d >= 0; d--) {
       const int i = cpl_tensor_slab(t, d, 0.5 * (s->bound[c][d] + s->bound[c][3 + d]));
       if (i < 0 || i >= t->n[d] || t->x[d][i + 1] - s->bound[c][3 + d] < -s->round_off ||
-          t->x[d][i] > s->bound[c][d] + s->round_off || t->x[d][i] < s->bound[c][d] - s->round_off ||
+          t->x[d][i] > s->bound[c][d] + s->round_off ||
+          t->x[d][i] < s->bound[c][d] - s->round_off ||
           t->x[d][i + 1] > s->bound[c][3 + d] + s->round_off)
         return 0;
       at = at * (size_t)t->n[d] + (size_t)i;

@@ -4,7 +4,7 @@
 #ifndef COUPLING_TENSOR_GRID_H
 #define COUPLING_TENSOR_GRID_H
 
-#include "search.h"
+#include "search_type.h"
 
 struct cpl_tensor {
   int n[3];      /* slabs */
@@ -25,8 +25,5 @@ int cpl_tensor_slab(const cpl_tensor *t, int d, double v);
 
 /* As cpl_search_cell. */
 int cpl_tensor_cell(const cpl_tensor *t, const double x[3], double tie);
-/* As cpl_overlap_exact, the centre's cell aside. */
-int cpl_tensor_overlap(cpl_tensor *t, const double *cell_volume, const double centre[3],
-                       double radius, cpl_overlaps *list);
 
 #endif

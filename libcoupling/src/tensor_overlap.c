@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A ball over a tensor grid: the planes cut it into boxes that share their corners and edges.
  * Everything is in radii relative to the centre. Formulas: box_sphere.c. */
-#include "tensor_grid.h"
+#include "tensor_overlap.h"
 #include "box_sphere.h"
 
 #include <math.h>

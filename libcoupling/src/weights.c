@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "weights.h"
-#include <float.h>
 #include <math.h>
 #include <string.h>
 #include "memory.h"
@@ -72,19 +71,6 @@ static int agree(const cpl_weights *w, int status) {
 }
 
 /* ---- rows ----------------------------------------------------------------------------------- */
-/* Append the overlaps of one sphere. When a sphere holds no sub-cell centre of this rank's cells,
- * cpl_overlap_sub_cell puts all of it into the cell of its centre. Other ranks may have found
- * sub-cells, so that is taken out again: rescue() decides when all ranks have answered. */
-static int overlap(cpl_weights *w, int method, const double *sphere, int *hint) {
-  const int first = w->list.count;
-  PART_TRY(cpl_overlap(method, w->search, w->sub_cells, sphere, sphere[3], hint, &w->list));
-  const double whole = cpl_sphere_volume(sphere[3]);
-  if (method == CPL_VOID_FRACTION_subCell && w->list.count == first + 1 &&
-      fabs(w->list.volume[first] - whole) <= 4.0 * DBL_EPSILON * whole)
-    w->list.count = first;
-  return PART_OK;
-}
-
 /* Row k by a method, appended to the list; its volume to row_value[k * stride]. */
 static int make_row(cpl_weights *w, int method, int k, int stride) {
   const double *sphere = cpl_rendezvous_spheres(w->rendezvous) + 4 * (size_t)k;
@@ -95,7 +81,8 @@ static int make_row(cpl_weights *w, int method, int k, int stride) {
   w->row_value.data[(size_t)k * (size_t)stride] = 0.0;
   if (w->mesh->cells == 0)
     return PART_OK;
-  PART_TRY(overlap(w, method, sphere, &w->hint.data[k]));
+  PART_TRY(
+      cpl_overlap(method, w->search, w->sub_cells, sphere, sphere[3], &w->hint.data[k], &w->list));
   double sum = 0.0;
   int n = first;
   for (int j = first; j < w->list.count; j++) {

@@ -114,7 +114,7 @@ double overlap_run(overlap_case *c, const double centre[3], double radius, int *
   double sum = 0.0;
   for (int i = 0; i < c->mesh.view.cells; i++)
     c->volume[i] = 0.0;
-  assert_int_equal(cpl_overlap_exact(c->search, centre, radius, hint, &list), PART_OK);
+  assert_int_equal(cpl_overlap_exact(c->search, 0, centre, radius, hint, &list), PART_OK);
   for (int k = 0; k < list.count; k++) {
     assert_true(list.volume[k] > 0.0);
     assert_true(c->volume[list.cell[k]] == 0.0);

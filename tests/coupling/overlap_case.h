@@ -3,7 +3,7 @@
 #ifndef TEST_OVERLAP_CASE_H
 #define TEST_OVERLAP_CASE_H
 
-#include "../../libcoupling/src/overlap.h"
+#include "../../libcoupling/src/overlap_methods.h"
 #include "ball_reference.h"
 #include "mesh_maker.h"
 

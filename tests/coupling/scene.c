@@ -56,14 +56,26 @@ int scene_start(scene *s, const cpl_params *params, const cpl_fluid *fluid) {
   return cpl_create(s->comm, &s->mesh.view, &s->mesh.box, params, fluid, &s->cpl);
 }
 
+void scene_make(scene *s, MPI_Comm comm, const mesh_options *options, int random_cells,
+                int method) {
+  const cpl_fluid fluid = scene_water();
+  cpl_params params = scene_params();
+  params.void_fraction = method;
+  scene_mesh(s, comm, options, random_cells);
+  must(scene_start(s, &params, &fluid) == PART_OK, "start");
+}
+
+double scene_volume(const particle *p) {
+  return 4.0 / 3.0 * 3.14159265358979323846 * p->r * p->r * p->r;
+}
+
 static void add_particle(scene *s, int id, const particle *p) {
-  const double pi = 3.14159265358979323846;
   const int i = s->view.count++;
   double *row = s->row + (size_t)i * ROW_WIDTH;
   memcpy(row + ROW_X, p->x, sizeof p->x);
   memcpy(row + ROW_V, p->v, sizeof p->v);
   row[ROW_R] = p->r;
-  row[ROW_IMASS] = 1.0 / (p->density * 4.0 / 3.0 * pi * p->r * p->r * p->r);
+  row[ROW_IMASS] = 1.0 / (p->density * scene_volume(p));
   s->number[2 * i] = id;
   s->number[2 * i + 1] = p->kind;
 }
@@ -99,6 +111,18 @@ void scene_particles(scene *s, int count, const particle *all, int shift, int re
                             .fluid_sp_stride = ROW_WIDTH,
                             .fluid_impulse = row + ROW_J,
                             .fluid_impulse_stride = ROW_WIDTH};
+}
+
+double scene_fill(scene *s, int count, const particle *all) {
+  double error;
+  scene_particles(s, count, all, 0, 0);
+  must(cpl_locate(s->cpl, &s->view) == PART_OK, "locate");
+  must(cpl_void_fraction(s->cpl, &s->view, &s->cells, &error) == PART_OK, "void fraction");
+  return error;
+}
+
+double scene_solid(const scene *s, int c) {
+  return (1.0 - s->eps[c]) * s->mesh.volume[c];
 }
 
 void scene_free(scene *s) {

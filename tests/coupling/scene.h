@@ -5,6 +5,7 @@
 #ifndef TEST_SCENE_H
 #define TEST_SCENE_H
 
+#include "../../libcoupling/src/void_fractions.h"
 #include "coupling/coupling.h"
 #include "mesh_maker.h"
 
@@ -49,14 +50,21 @@ cpl_fluid scene_water(void);
 void scene_mesh(scene *s, MPI_Comm comm, const mesh_options *options, int random_cells);
 /* cpl_create; returns its status. */
 int scene_start(scene *s, const cpl_params *params, const cpl_fluid *fluid);
+/* Both at once: defaults and water, by the row `method` of void_fractions.def. */
+void scene_make(scene *s, MPI_Comm comm, const mesh_options *options, int random_cells, int method);
 /* Particle i goes to rank (i * 7 + shift) % size, in the order of i or, reverse, from the end. */
 void scene_particles(scene *s, int count, const particle *all, int shift, int reverse);
+/* scene_particles (shift 0), located, and their void fraction; returns its volume error. */
+double scene_fill(scene *s, int count, const particle *all);
 void scene_free(scene *s);
 
 /* count spheres of radius r_min..r_max anywhere in the box (partly outside it too), velocities and
  * densities at random. */
 void scene_random(const mesh_options *options, int count, double r_min, double r_max, uint64_t seed,
                   particle *all);
+double scene_volume(const particle *p); /* of the sphere, m3 */
+/* What the void fraction leaves to solids in cell c of this rank, m3. */
+double scene_solid(const scene *s, int c);
 /* Whole-mesh number of cell c of this rank. */
 int scene_global(const scene *s, int c);
 /* Smooth velocity, pressure gradient, stress of the cells; eps from the coupling. */

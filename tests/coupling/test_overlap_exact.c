@@ -11,7 +11,7 @@
 #include <cmocka.h>
 
 #include "overlap_case.h"
-#include "../../libcoupling/src/search.h"
+#include "../../libcoupling/src/search_type.h"
 
 /* What the project promises: per cell, and for the sum over cells of a sphere inside the mesh. */
 static const double cell_bar = 1e-12, sum_bar = 1e-14;
@@ -189,7 +189,7 @@ static void ranks_add_up(void **state) {
       for (int r = 0; r < RANKS; r++) {
         cpl_overlaps list = {0};
         int none = -1;
-        assert_int_equal(cpl_overlap_exact(search[r], x, radius, &none, &list), PART_OK);
+        assert_int_equal(cpl_overlap_exact(search[r], 0, x, radius, &none, &list), PART_OK);
         for (int k = 0; k < list.count; k++)
           c.volume[part[r].global_cell[list.cell[k]]] -=
               list.volume[k] / (BALL * radius * radius * radius);
@@ -218,7 +218,7 @@ static void bad_radius(void **state) {
   for (int i = 0; i < 4; i++) {
     cpl_overlaps list = {0};
     int hint = -1;
-    assert_int_equal(cpl_overlap_exact(c.search, x, bad[i], &hint, &list), PART_ERR_RANGE);
+    assert_int_equal(cpl_overlap_exact(c.search, 0, x, bad[i], &hint, &list), PART_ERR_RANGE);
     assert_non_null(strstr(part_last_error(), "radius"));
   }
   overlap_case_free(&c);

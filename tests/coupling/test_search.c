@@ -8,7 +8,8 @@
 #include <string.h>
 #include <cmocka.h>
 
-#include "../../libcoupling/src/search.h"
+#include "../../libcoupling/src/overlap.h"
+#include "../../libcoupling/src/search_type.h"
 #include "overlap_case.h"
 
 static int brute_force(const overlap_case *c, const double x[3]) {
