@@ -91,7 +91,7 @@ static void reorder(int n, const int *order, const size_t *first, const dem_entr
   }
 }
 
-int dem_history_sort(dem_t *dem, double cell, int *count, void *payload) {
+int dem_history_sort(dem_t *dem, int *count, void *payload) {
   const int n = dem->store->local;
   int *order = NULL;
   size_t *first = NULL;
@@ -104,7 +104,7 @@ int dem_history_sort(dem_t *dem, double cell, int *count, void *payload) {
   if (status == PART_OK)
     status = dem_allocate(first[n], sizeof *copy, &copy);
   if (status == PART_OK)
-    status = part_sort_order(dem->store, &dem->box, cell, order);
+    status = part_sort_order(dem->store, &dem->box, DEM_FIELD_RADIUS, &dem->levels, dem->skin, order);
   if (status == PART_OK)
     status = part_store_permute(dem->store, order);
   if (status == PART_OK) {

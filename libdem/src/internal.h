@@ -111,6 +111,7 @@ struct dem_t {
   dem_fast fast;
   double time, stable_step;
   double r_min, r_max, r_mean, skin;
+  part_levels levels;       /* of radii */
   double skin_most;         /* m, largest that adapt_skin may choose */
   long long substeps_built; /* substeps when the lists were built */
   int64_t listed;           /* pairs then, of all ranks */
@@ -230,7 +231,7 @@ extern const dem_carrier dem_walls_carrier;
 int dem_history_needed(const dem_t *dem); /* the same on every rank */
 int dem_history_gather(const dem_t *dem, int **count, void **payload);
 /* Sort own particles by cells; the payload comes along. */
-int dem_history_sort(dem_t *dem, double cell, int *count, void *payload);
+int dem_history_sort(dem_t *dem, int *count, void *payload);
 
 /* ---- contact.c ---------------------------------------------------------------------------------
  */

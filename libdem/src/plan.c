@@ -152,6 +152,7 @@ static int work_out(dem_t *dem, const scene *s) {
   double least = HUGE_VAL;
   dem->r_max = s->r_max;
   dem->r_min = s->r_min;
+  part_levels_set(&dem->levels, dem->r_min, dem->r_max);
   if (!dem->restored) /* a sum over ranks has other bits on other ranks: the file has it */
     dem->r_mean = s->r_sum / (double)dem->total;
   set_skin(dem);

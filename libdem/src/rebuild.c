@@ -22,7 +22,7 @@ static int balance_parts(dem_t *dem, int balance) {
 }
 
 static int make_pairs(dem_t *dem, const int *count, const void *payload) {
-  PART_TRY(part_pairs_build(dem->pairs, dem->store, DEM_FIELD_RADIUS, dem->skin));
+  PART_TRY(part_pairs_build(dem->pairs, dem->store, DEM_FIELD_RADIUS, &dem->levels, dem->skin));
   PART_TRY(dem_pair_list_filter(dem));
   if (dem->plan.tangential && payload != NULL)
     PART_TRY(part_pairs_scatter(dem->pairs, dem->store, count, payload));
@@ -98,10 +98,10 @@ static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   PART_TRY(balance_parts(dem, balance));
   if (*count == NULL) {
     PART_TRY(part_domain_migrate(dem->domain, dem->store, 0, NULL, NULL));
-    status = part_sort_by_cell(dem->store, &dem->box, reach);
+    status = part_sort(dem->store, &dem->box, DEM_FIELD_RADIUS, &dem->levels, dem->skin);
   } else {
     PART_TRY(part_domain_migrate(dem->domain, dem->store, sizeof(dem_entry), count, payload));
-    status = dem_history_sort(dem, reach, *count, *payload);
+    status = dem_history_sort(dem, *count, *payload);
   }
   PART_TRY(part_agree(dem->comm, status));
   if (dem->plan.pairs)

@@ -8,6 +8,7 @@
 #include <string.h>
 
 #include "memory.h"
+#include "pairs_near.h"
 #include "particle/status.h"
 
 int part_pairs_create(int data_width, part_pairs **pairs) {
@@ -35,16 +36,20 @@ void part_pairs_destroy(part_pairs *pairs) {
   free(pairs->start);
   free(pairs->partner);
   free(pairs->data);
-  part_cells_free(&list->cells);
+  for (int k = 0; k < PART_LEVELS_MAX; k++)
+    part_cells_free(&list->level[k]);
+  free(list->order);
+  free(list->late);
   free(list);
 }
 
 static int check_numbers(const part_store *store, pair_view *view) {
   const part_layout *layout = store->layout;
+  view->r_min = HUGE_VAL;
   view->r_max = 0.0;
   for (int i = 0; i < view->all; i++) {
-    const double *x = view->x + (size_t)i * (size_t)view->x_stride;
-    const double r = view->r[(size_t)i * (size_t)view->r_stride];
+    const double *x = view->points.x + (size_t)i * (size_t)view->points.x_stride;
+    const double r = view->points.r[(size_t)i * (size_t)view->points.r_stride];
     /* The sum is finite when all are, but for an overflow that no real position gives. */
     if (!isfinite(x[0] + x[1] + x[2]) || !(r >= 0.0 && r < INFINITY)) {
       const int64_t *id = part_field_int64(store, layout->id_field);
@@ -52,6 +57,7 @@ static int check_numbers(const part_store *store, pair_view *view) {
       return part_fail(PART_ERR_NUMERIC, "particle %lld at (%g %g %g) with radius %g",
                        (long long)id[(size_t)i * stride], x[0], x[1], x[2], r);
     }
+    view->r_min = r < view->r_min ? r : view->r_min;
     view->r_max = r > view->r_max ? r : view->r_max;
   }
   return PART_OK;
@@ -64,10 +70,10 @@ int part_pairs_view(const part_store *store, int radius_field, double skin, pair
     return part_fail(PART_ERR_ARGUMENT, "radius field %d is not a field of doubles", radius_field);
   if (!(skin >= 0.0 && skin < INFINITY))
     return part_fail(PART_ERR_RANGE, "skin %g m is not in [0, inf)", skin);
-  view->x = part_record_double(store, 0);
-  view->x_stride = layout->records[0].width;
-  view->r = part_field_double(store, radius_field);
-  view->r_stride = part_field_stride(store, radius_field);
+  view->points.x = part_record_double(store, 0);
+  view->points.x_stride = layout->records[0].width;
+  view->points.r = part_field_double(store, radius_field);
+  view->points.r_stride = part_field_stride(store, radius_field);
   view->own = store->local;
   view->all = store->local + store->ghost;
   return check_numbers(store, view);
@@ -100,13 +106,13 @@ int part_pairs_end(pair_list *list) {
 
 static int naive_row(pair_list *list, const pair_view *v, int i, double skin) {
   part_pairs *pairs = &list->pairs;
-  const double *xi = v->x + (size_t)i * (size_t)v->x_stride;
-  const double ri = v->r[(size_t)i * (size_t)v->r_stride];
+  const double *xi = v->points.x + (size_t)i * (size_t)v->points.x_stride;
+  const double ri = v->points.r[(size_t)i * (size_t)v->points.r_stride];
   int count = pairs->start[i];
   PART_TRY(part_pairs_room(list, (size_t)count + (size_t)(v->all - i)));
   for (int j = i + 1; j < v->all; j++) {
-    const double *xj = v->x + (size_t)j * (size_t)v->x_stride;
-    const double rj = v->r[(size_t)j * (size_t)v->r_stride];
+    const double *xj = v->points.x + (size_t)j * (size_t)v->points.x_stride;
+    const double rj = v->points.r[(size_t)j * (size_t)v->points.r_stride];
     if (part_pair_near(xj[0] - xi[0], xj[1] - xi[1], xj[2] - xi[2], ri, rj, skin))
       pairs->partner[count++] = j;
   }

@@ -6,21 +6,28 @@
 #include <stddef.h>
 
 #include "cells.h"
+#include "particle/levels.h"
 #include "particle/neighbours.h"
+
+/* A pair found from its second end. */
+typedef struct late_pair {
+  int row, partner;
+} late_pair;
 
 /* The public part comes first: a part_pairs is the beginning of one of these. */
 typedef struct pair_list {
   part_pairs pairs;
-  size_t start_room, partner_room, data_room; /* allocated items */
-  part_cells cells;                           /* kept for its memory */
+  size_t start_room, partner_room, data_room, order_room, late_room; /* allocated items */
+  part_cells level[PART_LEVELS_MAX]; /* this and what follows: kept for their memory */
+  int *order;                        /* particles by level */
+  late_pair *late;
 } pair_list;
 
 /* Positions and radii of a store, as the builders read them. */
 typedef struct pair_view {
-  const double *x, *r; /* components of particle i: x[i*x_stride + d], r[i*r_stride] */
-  int x_stride, r_stride;
+  part_points points;
   int own, all;
-  double r_max;
+  double r_min, r_max;
 } pair_view;
 
 /* Check the arguments and the numbers (ERR_NUMERIC: position or radius not finite, or r < 0). */
@@ -31,12 +38,5 @@ int part_pairs_begin(pair_list *list, int rows, double skin);
 int part_pairs_room(pair_list *list, size_t n);
 /* All rows are in: zeroed data. */
 int part_pairs_end(pair_list *list);
-
-/* The condition of a listed pair, in one place so that all builders round alike. */
-static inline int part_pair_near(double dx, double dy, double dz, double ri, double rj,
-                                 double skin) {
-  const double reach = ri + rj + skin;
-  return dx * dx + dy * dy + dz * dz < reach * reach;
-}
 
 #endif

@@ -86,10 +86,10 @@ static int run(scene *s) {
     const double x[3] = {uniform(&seed), uniform(&seed), uniform(&seed)};
     fill_particle(s->store, i, i, x, 0.05);
   }
-  PART_TRY(part_sort_by_cell(s->store, &box, 0.1));
+  PART_TRY(part_sort(s->store, &box, F_R, &(part_levels){1, {0.05}}, 0.01));
   PART_TRY(part_domain_ghosts(s->domain, s->store, 0.11));
   PART_TRY(part_pairs_create(3, &s->pairs));
-  PART_TRY(part_pairs_build(s->pairs, s->store, F_R, 0.01));
+  PART_TRY(part_pairs_build(s->pairs, s->store, F_R, NULL, 0.01));
   for (int k = 0; k < 3 * s->pairs->start[s->pairs->rows]; k++)
     s->pairs->data[k] = 1.0;
   PART_TRY(part_pairs_gather(s->pairs, s->store, &s->count, &s->entry));
@@ -150,7 +150,7 @@ static void survivors_work(void **state) {
   OK(part_store_create(&test_layout, &store));
   fill_random(store, 100, 0, &box, 0.05, 0.1, &seed);
   OK(part_pairs_create(2, &pairs));
-  OK(part_pairs_build(pairs, store, F_R, 0.01));
+  OK(part_pairs_build(pairs, store, F_R, NULL, 0.01));
   for (int k = 1; k <= 5; k++) {
     countdown = k;
     armed = 1;
@@ -164,11 +164,11 @@ static void survivors_work(void **state) {
   OK(part_store_append(store, 1000, &first));
   countdown = 1;
   armed = 1;
-  const int status = part_pairs_build(pairs, store, F_R, 0.01);
+  const int status = part_pairs_build(pairs, store, F_R, NULL, 0.01);
   armed = 0;
   assert_int_equal(status, PART_ERR_MEMORY);
   assert_int_equal(pairs->rows, 0);
-  OK(part_pairs_build(pairs, store, F_R, 0.01));
+  OK(part_pairs_build(pairs, store, F_R, NULL, 0.01));
   assert_int_equal(pairs->rows, 1100);
   part_pairs_destroy(pairs);
   part_store_destroy(store);

@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "../../libparticle/src/pairs_near.h"
 #include "particle/neighbours.h"
 
 enum { WIDTH = 3 };
@@ -30,11 +31,11 @@ static void check_rows(const part_pairs *pairs, const part_store *store) {
 }
 
 /* Fast list against all pairs; returns the number of pairs. */
-static int compare(const part_store *store, double skin) {
+static int compare_levels(const part_store *store, const part_levels *levels, double skin) {
   part_pairs *fast, *naive;
   OK(part_pairs_create(0, &fast));
   OK(part_pairs_create(0, &naive));
-  OK(part_pairs_build(fast, store, F_R, skin));
+  OK(part_pairs_build(fast, store, F_R, levels, skin));
   OK(part_pairs_build_naive(naive, store, F_R, skin));
   check_rows(fast, store);
   check_same(fast, naive);
@@ -43,6 +44,10 @@ static int compare(const part_store *store, double skin) {
   part_pairs_destroy(fast);
   part_pairs_destroy(naive);
   return n;
+}
+
+static int compare(const part_store *store, double skin) {
+  return compare_levels(store, NULL, skin);
 }
 
 static void set_up(const part_box *box, int each, double r0, double r1, part_domain **domain,
@@ -70,6 +75,99 @@ static void fast_is_naive(void **state) {
     part_store_destroy(store);
     part_domain_destroy(domain);
   }
+}
+
+/* Power law of sizes, number ~ d^-3 between 1 and ratio, half of the particles in a cluster. */
+static void power_law(part_store *store, double r1, double ratio) {
+  uint64_t seed = 77 + (uint64_t)world_rank();
+  for (int i = 0; i < store->local; i++) {
+    const double low = 1.0 / (ratio * ratio), u = low + (1.0 - low) * uniform(&seed);
+    *radius(store, i) = r1 / ratio / sqrt(u);
+    for (int d = 0; i % 2 == 0 && d < 3; d++)
+      position(store, i)[d] = 0.05 + 0.15 * uniform(&seed);
+  }
+}
+
+static void wide_distributions(void **state) {
+  (void)state;
+  const double ratio[] = {1.0, 1.9, 2.1, 10.0, 50.0, 100.0};
+  int pairs = 0;
+  for (int which = 0; which < 12; which++) {
+    part_domain *domain;
+    part_store *store;
+    part_levels levels, coarse = {2, {0.01, 0.1}};
+    const double r1 = 0.1, q = ratio[which / 2], skin = 0.004;
+    set_up(which % 2 == 0 ? &free_box : &periodic_box, 300, r1 / q, r1, &domain, &store);
+    power_law(store, r1, q);
+    OK(part_domain_balance(domain, store, NULL));
+    OK(part_domain_migrate(domain, store, 0, NULL, NULL));
+    part_levels_set(&levels, r1 / q, r1);
+    assert_true(levels.count <= 1 + (int)(log2(q) * (1.0 - 1e-9)));
+    for (int sorted = 0; sorted < 2; sorted++) {
+      OK(part_domain_ghosts(domain, store, 2 * r1 + skin));
+      const int n = compare(store, skin);
+      assert_int_equal(compare_levels(store, &levels, skin), n);
+      assert_int_equal(compare_levels(store, &coarse, skin), n);
+      pairs += n;
+      OK(part_sort(store, part_domain_box(domain), F_R, &levels, skin));
+      for (int i = 1; i < store->local; i++) /* small ones first */
+        assert_true(part_level_of(&levels, *radius(store, i)) >=
+                    part_level_of(&levels, *radius(store, i - 1)));
+    }
+    part_store_destroy(store);
+    part_domain_destroy(domain);
+  }
+  assert_true(pairs > 1000);
+}
+
+static void levels_hold_radii(void **state) {
+  (void)state;
+  part_levels levels;
+  part_levels_set(&levels, 0.3, 0.3);
+  assert_int_equal(levels.count, 1);
+  part_levels_set(&levels, 0.25, 1.0); /* just a power of two */
+  assert_int_equal(levels.count, 2);
+  assert_true(levels.top[1] == 1.0);
+  assert_true(fabs(levels.top[0] - 0.5) < 1e-15);
+  assert_int_equal(part_level_of(&levels, 0.25), 0);
+  assert_int_equal(part_level_of(&levels, levels.top[0]), 0);
+  assert_int_equal(part_level_of(&levels, 0.51), 1);
+  assert_int_equal(part_level_of(&levels, 7.0), 1);
+  assert_int_equal(part_level_of(&levels, 0.0), 0);
+  part_levels_set(&levels, 0.02, 1.0);
+  assert_int_equal(levels.count, 6);
+  part_levels_set(&levels, 0.0, 1.0); /* points among spheres */
+  assert_int_equal(levels.count, PART_LEVELS_MAX);
+  part_levels_set(&levels, 0.0, 0.0);
+  assert_int_equal(levels.count, 1);
+}
+
+/* The vector loops give the same as the plain one, whatever the length and the end of a run. */
+static void near_variants(void **state) {
+  (void)state;
+  enum { N = 61 };
+  part_cells cells;
+  double x[4 * N];
+  uint64_t seed = 3;
+  int found[2][N + CELLS_PADDING];
+  for (int k = 0; k < 4 * N; k++)
+    x[k] = k % 4 == 3 ? 0.1 + 0.2 * uniform(&seed) : uniform(&seed);
+  memset(&cells, 0, sizeof cells);
+  const part_points points = {x, x + 3, 4, 4};
+  OK(part_cells_build(&cells, &points, N, NULL, 1.0));
+  for (int k = 0; k < 3; k++) {
+    part_near_function *near = part_near_variant(k);
+    for (int from = 0; near != NULL && from < 12; from++)
+      for (int to = from; to <= N; to++) {
+        const int n = near(&cells, from, to, x + 4 * from, 0.05, from / 2, found[0]);
+        const int m = part_near_variant(0)(&cells, from, to, x + 4 * from, 0.05, from / 2, found[1]);
+        assert_int_equal(n, m);
+        assert_memory_equal(found[0], found[1], (size_t)n * sizeof(int));
+        assert_true(to < N || n > 0);
+      }
+  }
+  assert_null(part_near_variant(3));
+  part_cells_free(&cells);
 }
 
 static void unusual_places(void **state) {
@@ -115,17 +213,18 @@ static void bad_input(void **state) {
   OK(part_store_create(&test_layout, &store));
   fill_random(store, 10, 500, &free_box, 0.1, 0.1, &seed);
   OK(part_pairs_create(1, &pairs));
-  FAILS(PART_ERR_RANGE, "skin", part_pairs_build(pairs, store, F_R, -1.0));
-  FAILS(PART_ERR_RANGE, "skin", part_pairs_build(pairs, store, F_R, (double)NAN));
-  FAILS(PART_ERR_ARGUMENT, "radius field", part_pairs_build(pairs, store, F_ID, 0.1));
-  FAILS(PART_ERR_ARGUMENT, "radius field", part_pairs_build(pairs, store, 77, 0.1));
+  FAILS(PART_ERR_RANGE, "skin", part_pairs_build(pairs, store, F_R, NULL, -1.0));
+  FAILS(PART_ERR_RANGE, "skin", part_pairs_build(pairs, store, F_R, NULL, (double)NAN));
+  FAILS(PART_ERR_ARGUMENT, "radius field", part_pairs_build(pairs, store, F_ID, NULL, 0.1));
+  FAILS(PART_ERR_ARGUMENT, "radius field", part_pairs_build(pairs, store, 77, NULL, 0.1));
   *radius(store, 3) = -0.5;
-  FAILS(PART_ERR_NUMERIC, "particle 503", part_pairs_build(pairs, store, F_R, 0.1));
+  FAILS(PART_ERR_NUMERIC, "particle 503", part_pairs_build(pairs, store, F_R, NULL, 0.1));
   *radius(store, 3) = 0.5;
   position(store, 4)[1] = NAN;
-  FAILS(PART_ERR_NUMERIC, "particle 504", part_pairs_build(pairs, store, F_R, 0.1));
+  FAILS(PART_ERR_NUMERIC, "particle 504", part_pairs_build(pairs, store, F_R, NULL, 0.1));
   assert_int_equal(pairs->rows, 0);
-  FAILS(PART_ERR_RANGE, "cell", part_sort_by_cell(store, &free_box, 0.0));
+  const part_levels nothing = {1, {0.0}};
+  FAILS(PART_ERR_RANGE, "cell", part_sort(store, &free_box, F_R, &nothing, 0.0));
   part_pairs_destroy(pairs);
   FAILS(PART_ERR_ARGUMENT, "-1", part_pairs_create(-1, &pairs));
   part_store_destroy(store);
@@ -172,7 +271,7 @@ static void history_through_everything(void **state) {
     set_up(box, 500, r, r, &domain, &store);
     OK(part_pairs_create(WIDTH, &pairs));
     OK(part_domain_ghosts(domain, store, 2 * r + skin));
-    OK(part_pairs_build(pairs, store, F_R, skin));
+    OK(part_pairs_build(pairs, store, F_R, NULL, skin));
     for (int k = 0; k < WIDTH * pairs->start[pairs->rows]; k++)
       assert_true(pairs->data[k] == 0.0);
     put_values(pairs, store);
@@ -191,7 +290,7 @@ static void history_through_everything(void **state) {
       free(weight);
       OK(part_domain_migrate(domain, store, part_pairs_entry_size(pairs), &count, &entry));
       OK(part_domain_ghosts(domain, store, 2 * r + skin));
-      OK(part_pairs_build(pairs, store, F_R, skin));
+      OK(part_pairs_build(pairs, store, F_R, NULL, skin));
       OK(part_pairs_scatter(pairs, store, count, entry));
       free(count);
       free(entry);
@@ -209,7 +308,7 @@ static void history_through_everything(void **state) {
       position(store, i)[0] += 0.01 * sin(7.0 * (double)*id_of(store, i));
     OK(part_domain_migrate(domain, store, part_pairs_entry_size(pairs), &count, &entry));
     OK(part_domain_ghosts(domain, store, 2 * r + skin));
-    OK(part_pairs_build(pairs, store, F_R, skin));
+    OK(part_pairs_build(pairs, store, F_R, NULL, skin));
     OK(part_pairs_scatter(pairs, store, count, entry));
     again = check_values(pairs, store, 0);
     assert_true(again < pairs->start[pairs->rows] || pairs->rows == 0);
@@ -234,12 +333,12 @@ static void history_of_long_rows(void **state) {
   *radius(store, 250) = 0.4;
   position(store, 250)[0] = position(store, 250)[1] = position(store, 250)[2] = 0.5;
   OK(part_pairs_create(WIDTH, &pairs));
-  OK(part_pairs_build(pairs, store, F_R, 0.0));
+  OK(part_pairs_build(pairs, store, F_R, NULL, 0.0));
   put_values(pairs, store);
   const int with_data = check_values(pairs, store, 1);
   OK(part_pairs_gather(pairs, store, &count, &entry));
   assert_true(count[250] > 50);
-  OK(part_pairs_build(pairs, store, F_R, 0.001));
+  OK(part_pairs_build(pairs, store, F_R, NULL, 0.001));
   OK(part_pairs_scatter(pairs, store, count, entry));
   assert_int_equal(check_values(pairs, store, 0), with_data);
   store->local = 499;
@@ -256,6 +355,7 @@ static void sort_is_canonical(void **state) {
   (void)state;
   enum { N = 3000 };
   const part_box box = {{-1, 0, 0}, {1, 0.5, 2}, {0}, {0}};
+  const part_levels one_level = {1, {0.02}}, tiny = {1, {0.0}};
   part_store *a, *b;
   uint64_t seed = 4;
   OK(part_store_create(&test_layout, &a));
@@ -279,8 +379,8 @@ static void sort_is_canonical(void **state) {
     order[other] = swap;
   }
   OK(part_store_permute(b, order));
-  OK(part_sort_by_cell(a, &box, 0.06));
-  OK(part_sort_by_cell(b, &box, 0.06));
+  OK(part_sort(a, &box, F_R, &one_level, 0.02));
+  OK(part_sort(b, &box, F_R, &one_level, 0.02));
   assert_memory_equal(a->record[REC_ID], b->record[REC_ID], (size_t)N * 8);
   assert_memory_equal(a->record[REC_XR], b->record[REC_XR], (size_t)N * 32);
   const int n[3] = {33, 8, 33};
@@ -297,20 +397,23 @@ static void sort_is_canonical(void **state) {
     last = cell;
   }
   /* Tiny and huge cells; nobody. */
-  OK(part_sort_by_cell(a, &box, 1e-12));
-  OK(part_sort_by_cell(b, &box, 1e-12));
+  OK(part_sort(a, &box, F_R, &tiny, 1e-12));
+  OK(part_sort(b, &box, F_R, &tiny, 1e-12));
   assert_memory_equal(a->record[REC_ID], b->record[REC_ID], (size_t)N * 8);
-  OK(part_sort_by_cell(a, &box, 1e12));
+  OK(part_sort(a, &box, F_R, &tiny, 1e12));
   for (int i = 0; i < N; i++)
     assert_int_equal(*id_of(a, i), i);
   a->local = 0;
-  OK(part_sort_by_cell(a, &box, 0.1));
+  OK(part_sort(a, &box, F_R, &tiny, 0.1));
   part_store_destroy(a);
   part_store_destroy(b);
 }
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(fast_is_naive),
+    cmocka_unit_test(wide_distributions),
+    cmocka_unit_test(levels_hold_radii),
+    cmocka_unit_test(near_variants),
     cmocka_unit_test(unusual_places),
     cmocka_unit_test(bad_input),
     cmocka_unit_test(history_through_everything),

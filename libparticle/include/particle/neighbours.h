@@ -8,6 +8,7 @@
 #define PARTICLE_NEIGHBOURS_H
 
 #include "particle/domain.h"
+#include "particle/levels.h"
 #include "particle/store.h"
 
 #ifdef __cplusplus
@@ -26,17 +27,24 @@ typedef struct part_pairs {
 int part_pairs_create(int data_width, part_pairs **pairs);
 void part_pairs_destroy(part_pairs *pairs);
 
-/* Own particles in the order of the cells of a grid of edge >= cell (m) (x fastest), within a cell
- * by id: a canonical order, the same whatever the order before. Pairs and ghosts are dropped. */
-int part_sort_by_cell(part_store *store, const part_box *box, double cell);
-/* That order alone, for part_store_permute and for what comes along: order[k] is the present index
- * of what becomes particle k; [store->local]. */
-int part_sort_order(const part_store *store, const part_box *box, double cell, int *order);
+/* The canonical order of own particles: by level of radius, the small ones first; in a level by cell
+ * of a grid over the box of edge >= 2 top + skin (m; x fastest); in a cell by id. It is the same
+ * whatever the order before. order[k] is the present index of what becomes particle k,
+ * [store->local]: for part_store_permute and for what comes along. radius_field: index of the
+ * radius. ERR_RANGE: a cell without length. */
+int part_sort_order(const part_store *store, const part_box *box, int radius_field,
+                    const part_levels *levels, double skin, int *order);
+/* Own particles in that order; pairs and ghosts are dropped. */
+int part_sort(part_store *store, const part_box *box, int radius_field, const part_levels *levels,
+              double skin);
 
 /* List all pairs with |x_i - x_j| < r_i + r_j + skin between own particles and between own and
- * ghost ones (ghosts must reach 2 r_max + skin). radius_field: index of the radius. Partners are
- * in increasing order in each row. */
-int part_pairs_build(part_pairs *pairs, const part_store *store, int radius_field, double skin);
+ * ghost ones (part_domain_sphere_ghosts with the same radii, levels and skin). Partners are in
+ * increasing order in each row. levels (NULL: from the radii present): any give the same list; in
+ * the order of part_sort with the same levels it takes least time, and a large sphere's many pairs
+ * are in the rows of its small partners. */
+int part_pairs_build(part_pairs *pairs, const part_store *store, int radius_field,
+                     const part_levels *levels, double skin);
 
 /* The same pairs by brute force over all, for tests. */
 int part_pairs_build_naive(part_pairs *pairs, const part_store *store, int radius_field,
