@@ -47,4 +47,21 @@ PY
 )
 [ "$colours" = "0 0 255 255 0 0" ]
 verdict drawing $? "corner and centre are '$colours', not blue and red"
+
+refused=$(DISPLAY='' etc/withDisplay "$PYTHON" - <<'PY'
+import ctypes
+x11 = ctypes.CDLL('libX11.so.6')
+x11.XOpenDisplay.restype = ctypes.c_void_p
+x11.XCloseDisplay.argtypes = [ctypes.c_void_p]
+refused = 0
+for _ in range(200):
+    display = x11.XOpenDisplay(None)
+    if display:
+        x11.XCloseDisplay(display)
+    refused += not display
+print(refused)
+PY
+)
+[ "$refused" = 0 ]
+verdict display $? "the virtual X server refused $refused of 200 clients one after the other"
 exit $bad
