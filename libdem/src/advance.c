@@ -53,6 +53,7 @@ static int check_state(const dem_t *dem) {
 static void add_impulses(dem_t *dem, double h) {
   dem_sum_add(&dem->wall_impulse, dem->wall_force, h);
   dem_sum_add(&dem->support_impulse, dem->support_force, h);
+  dem_walls_add_impulse(dem, h);
 }
 
 static int substep(dem_t *dem, double t, double h, int fluid) {
@@ -60,6 +61,7 @@ static int substep(dem_t *dem, double t, double h, int fluid) {
   dem_free_kick_drift(dem, t, h, fluid);
   if (dem->plan.blocks)
     dem_blocks_kick_drift(dem, t, h);
+  dem_walls_move(dem, t + h, h);
   PART_TRY(dem_refresh(dem, -1.0));
   PART_TRY(dem_forces(dem, h));
   add_impulses(dem, 0.5 * h);
@@ -76,6 +78,7 @@ static int fused_substeps(dem_t *dem, double t0, double h, int n) {
   double way;
   add_impulses(dem, 0.5 * h);
   dem_free_kick_drift(dem, t0, h, 0);
+  dem_walls_move(dem, t0 + h, h);
   PART_TRY(dem_refresh(dem, -1.0));
   dem_no_forces(dem);
   for (int s = 0; s < n - 1; s++) {
@@ -86,6 +89,7 @@ static int fused_substeps(dem_t *dem, double t0, double h, int n) {
     part_timers_stop(dem->timers, dem->stage[DEM_STAGE_CONTACT]);
     dem->substeps++;
     dem->time = t0 + (s + 1) * h;
+    dem_walls_move(dem, t0 + (s + 2) * h, h);
     PART_TRY(dem_refresh(dem, way));
   }
   PART_TRY(dem_forces(dem, h));
@@ -144,6 +148,7 @@ static int run(dem_t *dem, double dt, int n, int fluid) {
   dem_fast_leave(dem);
   PART_TRY(status);
   dem->time = t0 + dt;
+  dem_walls_move(dem, dem->time, 0.0);
   if (dem->plan.blocks)
     PART_TRY(dem_blocks_end(dem, dt));
   end_fluid(dem, dt);

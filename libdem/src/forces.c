@@ -30,8 +30,7 @@ static void flatten(dem_t *dem) {
 }
 
 void dem_wall_stage(dem_t *dem, double dt) {
-  for (int c = 0; c < 3; c++)
-    dem->wall_force[c] = 0.0;
+  dem_walls_no_force(dem);
   if (dem->plan.walls) {
     part_timers_start(dem->timers, dem->stage[DEM_STAGE_WALLS]);
     dem_wall_forces(dem, dt);

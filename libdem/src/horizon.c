@@ -50,31 +50,30 @@ static double pair_gap(const dem_t *dem) {
   return least;
 }
 
-/* Exact for planes; triangles that are not listed are at least skin - travel away. */
-static double wall_gap(const dem_t *dem) {
+/* Exact for planes and cylinders; triangles that are not listed are far. Less the way of the walls
+ * themselves. */
+static double wall_gap(const dem_t *dem, double dt) {
   const dem_walls *walls = &dem->walls;
-  const double length[3] = {dem->box.hi[0] - dem->box.lo[0], dem->box.hi[1] - dem->box.lo[1],
-                            dem->box.hi[2] - dem->box.lo[2]};
-  double least = walls->bins.start != NULL ? dem->skin - dem->travel : HUGE_VAL;
-  double p[3], n[3], distance, seen[3];
+  const double far = dem->skin + walls->margin - walls->travel;
+  double least = walls->groups > 0 ? far - (dem->travel + walls->particle_travel) : HUGE_VAL;
+  double p[3], n[3], distance;
   for (int row = 0; row < walls->rows; row++)
     for (int k = walls->start[row]; k < walls->start[row + 1]; k++) {
       const double *x = dem_xr(dem) + DEM_XR * (size_t)walls->particle[row];
-      dem_shift_position(length, walls->near[k].shift, x, seen);
-      dem_element_nearest(&walls->element[walls->near[k].element], seen, p, n, &distance);
+      dem_wall_nearest(dem, walls->near[k].element, walls->near[k].shift, x, p, n, &distance);
       least = fmin(least, distance - x[3]);
     }
   for (int w = 0; w < walls->count; w++) {
-    const dem_element *e = &walls->element[walls->wall[w].first];
-    for (int i = 0; e->plane && i < dem->store->local; i++) {
+    const int first = walls->wall[w].first;
+    for (int i = 0; walls->element[first].shape != DEM_SHAPE_TRIANGLE && i < dem->store->local;
+         i++) {
       const double *x = dem_xr(dem) + DEM_XR * (size_t)i;
       if (dem_kind_of(dem, i) == DEM_FIXED)
         continue;
-      dem_element_nearest(e, x, p, n, &distance);
-      least = fmin(least, distance - x[3]);
+      least = fmin(least, dem_wall_gap(dem, first, x) - x[3]);
     }
   }
-  return least;
+  return least - dem_walls_way(dem, dt);
 }
 
 int dem_horizon(dem_t *dem, double dt, int *free_flight) {
@@ -86,7 +85,7 @@ int dem_horizon(dem_t *dem, double dt, int *free_flight) {
   if (dem->plan.pairs)
     worst[1] = pair_gap(dem);
   if (dem->plan.walls)
-    worst[2] = wall_gap(dem);
+    worst[2] = wall_gap(dem, dt);
   worst[0] = -worst[0];
   MPI_Allreduce(MPI_IN_PLACE, worst, 3, MPI_DOUBLE, MPI_MIN, dem->comm);
   /* A little more than the bound, for rounding of positions. */

@@ -13,16 +13,12 @@
 #include "fast.h"
 #include "law.h"
 #include "particle/neighbours.h"
+#include "sum.h"
 #include "walls.h"
 
 /* Strides of the records, as in particle_fields.def. */
 enum { DEM_XR = 4, DEM_VM = 8, DEM_FT = 8, DEM_FLUID = 8, DEM_META = 4 };
 enum { DEM_SPRING = 3 }; /* doubles of tangential history per pair */
-
-/* A sum of many small parts, with the rounding errors carried along (Neumaier). */
-typedef struct dem_sum {
-  double value[3], lost[3];
-} dem_sum;
 
 typedef struct dem_given_contact {
   int a, b;
@@ -168,15 +164,6 @@ static inline double dem_mass(const dem_t *dem, int material, double r) {
 /* Mass of the particle itself (kg): INVERSE_MASS is zero when fixed and the block's in a block. */
 static inline double dem_own_mass(const dem_t *dem, int i) {
   return dem_mass(dem, dem_material_of(dem, i), dem_xr(dem)[DEM_XR * (size_t)i + 3]);
-}
-
-static inline void dem_sum_add(dem_sum *sum, const double part[3], double factor) {
-  for (int c = 0; c < 3; c++) {
-    const double p = factor * part[c], t = sum->value[c] + p;
-    sum->lost[c] +=
-        fabs(sum->value[c]) >= fabs(p) ? (sum->value[c] - t) + p : (p - t) + sum->value[c];
-    sum->value[c] = t;
-  }
 }
 
 /* ---- memory.c: ERR_MEMORY; items are zero ------------------------------------------------------

@@ -28,6 +28,8 @@ static const char *const dem_law_names[] = {
 #undef DEM_LAW
     NULL};
 static const char *const dem_insert_methods[] = {"lattice", "random", "file", NULL};
+static const char *const dem_wall_types[] = {"plane", "cylinder", "triangles", "stl", NULL};
+static const char *const dem_wall_sides[] = {"inside", "outside", NULL};
 static const char *const dem_kinds[] = {"free", "fixed", "block", NULL};
 
 #define DEM_DIMS(kg, m, s)                                                                         \
@@ -70,6 +72,11 @@ static const part_param insert_rows[] = {
 #include "dem/insert_params.def"
 #undef DEM_STRUCT
 };
+static const part_param wall_rows[] = {
+#define DEM_STRUCT dem_wall_params
+#include "dem/wall_params.def"
+#undef DEM_STRUCT
+};
 
 #define DEM_TABLE(name, rows)                                                                      \
   { name, (int)(sizeof rows / sizeof rows[0]), rows }
@@ -77,3 +84,4 @@ const part_param_table dem_params_table = DEM_TABLE("demProperties", params_rows
 const part_param_table dem_material_table = DEM_TABLE("material", material_rows);
 const part_param_table dem_contact_table = DEM_TABLE("contact", contact_rows);
 const part_param_table dem_insert_table = DEM_TABLE("insert", insert_rows);
+const part_param_table dem_wall_table = DEM_TABLE("wall", wall_rows);

@@ -124,9 +124,11 @@ static int walk_contacts(dem_t *dem, const scene *s, int pairs, double *least) {
       if (can || all)
         PART_TRY(contact_of(dem, a, b, w, can, least));
     }
-  for (int w = 0; w < dem->walls.count; w++)
+  for (int w = 0; w < dem->walls.count; w++) {
+    PART_TRY(dem_wall_fits(dem, &dem->walls.wall[w], least));
     for (int a = 0; a < dem->materials; a++)
       PART_TRY(contact_of(dem, a, dem->walls.wall[w].material, s->of[a].light[0], 1, least));
+  }
   return PART_OK;
 }
 
@@ -208,9 +210,10 @@ int dem_plan_text(const dem_t *dem, size_t size, char *text) {
                       plan->movable ? "there are no walls" : "nothing moves",
                       "all of wall contact"));
   else
-    PART_TRY(add_line(size, text, "walls for far particles",
-                      "no wall within the skin when lists were built",
-                      "wall contact of these particles"));
+    PART_TRY(add_line(
+        size, text,
+        dem->walls.moving ? "walls, some moving, for far particles" : "walls for far particles",
+        "no wall within the skin when lists were built", "wall contact of these particles"));
   if (!plan->movable)
     PART_TRY(add_line(size, text, "time integration", "nothing moves", "all of it"));
   else if (isinf(dem->stable_step))

@@ -143,6 +143,13 @@ static double max_over_ranks(const dem_t *dem, double value) {
   return value;
 }
 
+static int relist_walls(dem_t *dem) {
+  part_timers_start(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
+  const int status = dem_walls_relist(dem);
+  part_timers_stop(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
+  return status;
+}
+
 int dem_refresh(dem_t *dem, double way) {
   /* Lists hold until one particle has moved half the skin. Without lists only periodic wrapping and
    * the errors of migration are left, which can wait for a radius. */
@@ -163,6 +170,8 @@ int dem_refresh(dem_t *dem, double way) {
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
   if (rebuild_now)
     return dem_rebuild(dem, 0, NULL, NULL);
+  if (dem->plan.walls && dem->walls.travel > dem->walls.margin)
+    PART_TRY(part_agree(dem->comm, relist_walls(dem)));
   if (!dem->plan.pairs)
     return PART_OK;
   part_timers_start(dem->timers, dem->stage[DEM_STAGE_GHOSTS]);

@@ -190,6 +190,31 @@ static int unpack_history(dem_t *dem, const unsigned char *bytes, size_t size) {
   return status;
 }
 
+/* Sums of the walls, for this rank. */
+static int write_walls(dem_t *dem, part_file *file) {
+  const size_t size = (size_t)dem->walls.count * DEM_WALL_VALUES * sizeof(double);
+  double *values = NULL;
+  PART_TRY(part_agree(dem->comm, dem_allocate(size, 1, &values)));
+  for (int w = 0; w < dem->walls.count; w++)
+    dem_wall_pack(&dem->walls.wall[w], values + (size_t)w * DEM_WALL_VALUES);
+  const int status = part_file_write_blob(file, "demWalls", size, values);
+  free(values);
+  return status;
+}
+
+/* Adds what each writing rank had, one after the other. */
+static int unpack_walls(dem_t *dem, size_t size, const double *values) {
+  const size_t one = (size_t)dem->walls.count * DEM_WALL_VALUES * sizeof(double);
+  if (one > 0 && size % one != 0)
+    return part_fail(PART_ERR_FORMAT, "the sums of walls are cut short");
+  if (dem->restored_elsewhere && dem->rank > 0)
+    return PART_OK;
+  for (size_t k = 0; one > 0 && k < size / one; k++)
+    for (int w = 0; w < dem->walls.count; w++, values += DEM_WALL_VALUES)
+      dem_wall_unpack(&dem->walls.wall[w], values);
+  return PART_OK;
+}
+
 /* ---- writing --------------------------------------------------------------------------------- */
 static int write_blobs(dem_t *dem, part_file *file) {
   double budget[BUDGET_VALUES];
@@ -197,6 +222,7 @@ static int write_blobs(dem_t *dem, part_file *file) {
   size_t size = 0;
   pack_budget(dem, budget);
   PART_TRY(part_file_write_blob(file, "demBudget", sizeof budget, budget));
+  PART_TRY(write_walls(dem, file));
   int status = part_agree(dem->comm, pack_history(dem, &size, &bytes));
   if (status == PART_OK)
     status = part_file_write_blob(file, "demHistory", size, bytes);
@@ -290,8 +316,13 @@ static int read_blobs(dem_t *dem, part_file *file) {
       unpack_budget(dem, budget + k * BUDGET_VALUES);
   free(bytes);
   bytes = NULL;
+  PART_TRY(read_blob(dem, file, "demWalls", &size, &bytes));
+  int status = part_agree(dem->comm, unpack_walls(dem, size, bytes));
+  free(bytes);
+  bytes = NULL;
+  PART_TRY(status);
   PART_TRY(read_blob(dem, file, "demHistory", &size, &bytes));
-  int status = part_agree(dem->comm, unpack_history(dem, bytes, size));
+  status = part_agree(dem->comm, unpack_history(dem, bytes, size));
   free(bytes);
   bytes = NULL;
   if (status != PART_OK || dem->restored_elsewhere)

@@ -93,7 +93,8 @@ static int prepare(dem_t *dem) {
 
 static int prepare_lists(dem_t *dem) {
   PART_TRY(part_pairs_create(dem->plan.tangential ? DEM_SPRING : 0, &dem->pairs));
-  return dem_walls_bins(&dem->walls, dem->r_max + dem->skin_most);
+  dem_walls_move(dem, dem->time, 0.0);
+  return dem_walls_bins(&dem->walls, dem->r_max + 2.0 * dem->skin_most);
 }
 
 int dem_start(dem_t *dem) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Contact of particles with walls: the same laws with a partner of infinite mass at rest.
+/* Contact of particles with walls: the same laws with a partner of infinite mass that moves as the
+ * wall does.
  *
  * A sphere may meet several triangles at once. Faces come first, then edges, then vertices, the
  * nearest first among equals; a further place p counts only when it lies above the plane through
@@ -25,22 +26,18 @@ static int before(const dem_candidate *a, const dem_candidate *b) {
     return a->feature < b->feature;
   if (a->gap != b->gap)
     return a->gap < b->gap;
-  return a->entry < b->entry;
+  return a->order < b->order;
 }
 
 /* Places of a row within the sphere, in the order in which they are taken. */
 static int find(const dem_t *dem, int row, const double *x, dem_candidate *place) {
   const dem_walls *walls = &dem->walls;
-  const double length[3] = {dem->box.hi[0] - dem->box.lo[0], dem->box.hi[1] - dem->box.lo[1],
-                            dem->box.hi[2] - dem->box.lo[2]};
   int count = 0;
   for (int k = walls->start[row]; k < walls->start[row + 1]; k++) {
     const dem_near *near = &walls->near[k];
-    dem_candidate found = {.entry = k};
-    double seen[3];
-    dem_shift_position(length, near->shift, x, seen);
+    dem_candidate found = {.entry = k, .order = near->element * DEM_SHIFTS + near->shift};
     found.feature =
-        dem_element_nearest(&walls->element[near->element], seen, found.p, found.n, &found.gap);
+        dem_wall_nearest(dem, near->element, near->shift, x, found.p, found.n, &found.gap);
     if (found.gap >= x[3])
       continue;
     int at = count++;
@@ -104,11 +101,40 @@ static void hand_over(dem_walls *walls, int row, const dem_candidate *place, int
     }
 }
 
+/* Force of a contact on the particle into the sums of the wall; lever: contact point from `from`.
+ */
+static void add_to_wall(dem_t *dem, dem_wall *wall, const double lever[3], const double force[3]) {
+  for (int c = 0; c < 3; c++) {
+    const int d = (c + 1) % 3, e = (c + 2) % 3;
+    dem->wall_force[c] += force[c];
+    wall->force[c] -= force[c];
+    wall->torque[c] -= lever[d] * force[e] - lever[e] * force[d];
+  }
+}
+
+/* Velocity of the wall's surface at the contact point. */
+static void surface_velocity(const dem_wall *wall, const double lever[3], double v[3]) {
+  for (int c = 0; c < 3; c++)
+    v[c] = wall->pose.drift[c] + (wall->turns ? dot(wall->pose.gain[c], lever) : 0.0);
+}
+
+/* Contact point seen from the centre of the wall, whose image the shift names. */
+static void lever_of(const dem_t *dem, const dem_wall *wall, int shift, const double *x,
+                     const double n[3], double arm, double lever[3]) {
+  const double *lo = dem->box.lo, *hi = dem->box.hi;
+  const int s[3] = {shift % 3 - 1, shift / 3 % 3 - 1, shift / 9 - 1};
+  for (int c = 0; c < 3; c++)
+    lever[c] = x[c] - arm * n[c] - s[c] * (hi[c] - lo[c]) - wall->pose.from[c];
+}
+
 static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt) {
   dem_near *near = &dem->walls.near[place->entry];
+  const dem_element *element = &dem->walls.element[near->element];
+  dem_wall *wall = &dem->walls.wall[element->wall];
   const int tangential = dem->plan.tangential;
   const double *vm = dem_vm(dem) + DEM_VM * (size_t)i, *n = place->n;
-  double *ft = dem_ft(dem) + DEM_FT * (size_t)i, force[3];
+  const double *x = dem_xr(dem) + DEM_XR * (size_t)i;
+  double *ft = dem_ft(dem) + DEM_FT * (size_t)i, force[3], lever[3];
   dem_touch touch;
   memcpy(touch.n, n, sizeof touch.n);
   /* Its own mass in a block, too: see blocks.c. */
@@ -116,21 +142,27 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
   touch.root_mass = 1.0 / touch.inverse_root;
   touch.touches = 1;
   /* See fast.h for the units of spin and torque. */
-  const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3], unit = dem->fast.spins ? 1.0 / r : 1.0;
+  const double unit = dem->fast.spins ? 1.0 / x[3] : 1.0;
   const double w[3] = {vm[4] * unit, vm[5] * unit, vm[6] * unit};
-  touch.overlap = r - place->gap;
+  touch.overlap = x[3] - place->gap;
   const double arm = place->gap + 0.5 * touch.overlap;
   touch.v[0] = vm[0] - arm * (w[1] * n[2] - w[2] * n[1]);
   touch.v[1] = vm[1] - arm * (w[2] * n[0] - w[0] * n[2]);
   touch.v[2] = vm[2] - arm * (w[0] * n[1] - w[1] * n[0]);
-  const int material = dem->walls.element[near->element].material;
-  dem_laws_any(&dem->coefs[(int)vm[7] * dem->materials + material], &touch, tangential, dt,
+  lever_of(dem, wall, near->shift, x, n, arm, lever);
+  if (wall->moves) {
+    double v[3];
+    surface_velocity(wall, lever, v);
+    for (int c = 0; c < 3; c++)
+      touch.v[c] -= v[c];
+  }
+  dem_laws_any(&dem->coefs[(int)vm[7] * dem->materials + element->material], &touch, tangential, dt,
                near->spring, force);
   for (int c = 0; c < 3; c++) {
     ft[c] += force[c];
-    dem->wall_force[c] += force[c];
     near->n[c] = n[c];
   }
+  add_to_wall(dem, wall, lever, force);
   if (tangential) {
     ft[4] += unit * arm * (n[2] * force[1] - n[1] * force[2]);
     ft[5] += unit * arm * (n[0] * force[2] - n[2] * force[0]);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Nearest point of a wall element, and the bins in which triangles are looked up. */
+/* Nearest point of a wall element in the frame of its wall, and the bins in which triangles are
+ * looked up. */
 #include "internal.h"
 
 static double dot(const double a[3], const double b[3]) {
@@ -48,21 +49,76 @@ static int nearest_of_triangle(const dem_element *e, const double x[3], double p
   return feature;
 }
 
+/* A plane keeps particles on the side of its normal; a triangle has two sides. The direction is
+ * that of the normal, so that a plane and triangles on it give the same. */
+static void face(const dem_element *e, const double x[3], double p[3], double n[3],
+                 double *distance) {
+  const double d[3] = {x[0] - e->a[0], x[1] - e->a[1], x[2] - e->a[2]};
+  const double side = dot(d, e->n);
+  const double sign = e->shape == DEM_SHAPE_TRIANGLE && side < 0.0 ? -1.0 : 1.0;
+  *distance = sign * side;
+  for (int c = 0; c < 3; c++) {
+    n[c] = sign * e->n[c];
+    p[c] = -*distance * n[c];
+  }
+}
+
+/* x in cylindrical coordinates: height along the axis, distance from it, direction across. */
+static void around(const dem_element *e, const double x[3], double *z, double *rho, double out[3]) {
+  const double d[3] = {x[0] - e->a[0], x[1] - e->a[1], x[2] - e->a[2]};
+  *z = dot(d, e->n);
+  for (int c = 0; c < 3; c++)
+    out[c] = d[c] - *z * e->n[c];
+  *rho = sqrt(dot(out, out));
+  if (*rho > 0.0) {
+    for (int c = 0; c < 3; c++)
+      out[c] /= *rho;
+    return;
+  }
+  /* On the axis any direction across will do. */
+  const double *n = e->n;
+  const double other[3] = {fabs(n[0]) < 0.6, fabs(n[0]) >= 0.6, 0.0};
+  const double t[3] = {n[1] * other[2] - n[2] * other[1], n[2] * other[0] - n[0] * other[2],
+                       n[0] * other[1] - n[1] * other[0]};
+  for (int c = 0; c < 3; c++)
+    out[c] = t[c] / sqrt(dot(t, t));
+}
+
+/* Infinite ones have one side. A finite one is an open tube, met from both sides, or a rod with
+ * flat ends. The end's rim is an edge. */
+static int nearest_of_cylinder(const dem_element *e, const double x[3], double p[3], double n[3],
+                               double *distance) {
+  double z, rho, out[3];
+  around(e, x, &z, &rho, out);
+  const double end = e->length > 0.0 ? fmin(fmax(z, 0.0), e->length) : z, beyond = z - end;
+  const int rod = e->side == DEM_WALL_OUTSIDE;
+  if (beyond == 0.0) {
+    const int inwards = !rod && (e->length == 0.0 || rho < e->radius);
+    const double sign = inwards ? -1.0 : 1.0;
+    *distance = sign * (rho - e->radius);
+    for (int c = 0; c < 3; c++) {
+      n[c] = sign * out[c];
+      p[c] = -*distance * n[c];
+    }
+    return 0;
+  }
+  const int flat = rod && rho <= e->radius;
+  const double across = flat ? 0.0 : rho - e->radius;
+  *distance = sqrt(across * across + beyond * beyond);
+  for (int c = 0; c < 3; c++) {
+    p[c] = -(across * out[c] + beyond * e->n[c]);
+    n[c] = -p[c] / *distance;
+  }
+  return !flat;
+}
+
 int dem_element_nearest(const dem_element *e, const double x[3], double p[3], double n[3],
                         double *distance) {
-  const double d[3] = {x[0] - e->a[0], x[1] - e->a[1], x[2] - e->a[2]};
-  double side = dot(d, e->n);
-  const int feature = e->plane ? 0 : nearest_of_triangle(e, x, p);
+  if (e->shape == DEM_SHAPE_CYLINDER)
+    return nearest_of_cylinder(e, x, p, n, distance);
+  const int feature = e->shape == DEM_SHAPE_PLANE ? 0 : nearest_of_triangle(e, x, p);
   if (feature == 0) {
-    /* From the normal of the element, so that a plane and triangles on it give the same. A plane
-     * keeps particles on the side of its normal; a triangle has two sides. */
-    const double sign = !e->plane && side < 0.0 ? -1.0 : 1.0;
-    side *= sign;
-    for (int c = 0; c < 3; c++) {
-      n[c] = sign * e->n[c];
-      p[c] = -side * n[c];
-    }
-    *distance = side;
+    face(e, x, p, n, distance);
     return 0;
   }
   *distance = sqrt(dot(p, p));
@@ -71,17 +127,8 @@ int dem_element_nearest(const dem_element *e, const double x[3], double p[3], do
   return feature;
 }
 
-void dem_shift_position(const double length[3], int shift, const double x[3], double shifted[3]) {
-  /* The element at + s L meets x where the element itself meets x - s L. */
-  shifted[0] = x[0] - (shift % 3 - 1) * length[0];
-  shifted[1] = x[1] - (shift / 3 % 3 - 1) * length[1];
-  shifted[2] = x[2] - (shift / 9 - 1) * length[2];
-}
-
 int dem_bins_find(const dem_bins *bins, const double x[3]) {
   int at[3];
-  if (bins->start == NULL)
-    return -1;
   for (int c = 0; c < 3; c++) {
     const double k = floor((x[c] - bins->lo[c]) / bins->edge);
     if (!(k >= 0.0 && k < bins->cells[c]))
@@ -91,15 +138,20 @@ int dem_bins_find(const dem_bins *bins, const double x[3]) {
   return (at[2] * bins->cells[1] + at[1]) * bins->cells[0] + at[0];
 }
 
-static void bounds(const dem_walls *walls, double reach, double lo[3], double hi[3]) {
+static int in_grid(const dem_walls *walls, const dem_bins *bins, const dem_element *e) {
+  return e->shape == DEM_SHAPE_TRIANGLE &&
+         (e->wall == bins->wall || !(walls->wall[e->wall].moves || walls->wall[bins->wall].moves));
+}
+
+static void bounds(const dem_walls *walls, dem_bins *bins, double reach, double hi[3]) {
   for (int c = 0; c < 3; c++) {
-    lo[c] = HUGE_VAL;
+    bins->lo[c] = HUGE_VAL;
     hi[c] = -HUGE_VAL;
     for (size_t k = 0; k < walls->elements; k++) {
       const dem_element *e = &walls->element[k];
-      if (e->plane)
+      if (!in_grid(walls, bins, e))
         continue;
-      lo[c] = fmin(lo[c], fmin(e->a[c], fmin(e->b[c], e->c[c])) - reach);
+      bins->lo[c] = fmin(bins->lo[c], fmin(e->a[c], fmin(e->b[c], e->c[c])) - reach);
       hi[c] = fmax(hi[c], fmax(e->a[c], fmax(e->b[c], e->c[c])) + reach);
     }
   }
@@ -148,21 +200,18 @@ static void enter(dem_bins *bins, const dem_element *e, int number, double reach
       }
 }
 
-int dem_walls_bins(dem_walls *walls, double reach) {
-  dem_bins *bins = &walls->bins;
+static int fill_bins(const dem_walls *walls, dem_bins *bins, double reach) {
   double hi[3];
   size_t triangles = 0;
   int *at;
   for (size_t k = 0; k < walls->elements; k++)
-    triangles += !walls->element[k].plane;
-  if (triangles == 0)
-    return PART_OK;
-  bounds(walls, reach, bins->lo, hi);
+    triangles += (size_t)in_grid(walls, bins, &walls->element[k]);
+  bounds(walls, bins, reach, hi);
   PART_TRY(size_bins(bins, triangles, reach, hi));
   const int cells = bins->cells[0] * bins->cells[1] * bins->cells[2];
   PART_TRY(dem_allocate((size_t)cells, sizeof *at, &at));
   for (size_t k = 0; k < walls->elements; k++)
-    if (!walls->element[k].plane)
+    if (in_grid(walls, bins, &walls->element[k]))
       enter(bins, &walls->element[k], (int)k, reach, at);
   for (int k = 0; k < cells; k++) {
     bins->start[k + 1] = bins->start[k] + at[k];
@@ -170,8 +219,22 @@ int dem_walls_bins(dem_walls *walls, double reach) {
   }
   const int status = dem_allocate((size_t)bins->start[cells], sizeof *bins->item, &bins->item);
   for (size_t k = 0; status == PART_OK && k < walls->elements; k++)
-    if (!walls->element[k].plane)
+    if (in_grid(walls, bins, &walls->element[k]))
       enter(bins, &walls->element[k], (int)k, reach, at);
   free(at);
   return status;
+}
+
+int dem_walls_bins(dem_walls *walls, double reach) {
+  int rests = 0;
+  PART_TRY(dem_allocate((size_t)walls->count, sizeof *walls->bins, &walls->bins));
+  for (int w = 0; w < walls->count; w++) {
+    const dem_wall *wall = &walls->wall[w];
+    if (walls->element[wall->first].shape != DEM_SHAPE_TRIANGLE || (!wall->moves && rests++))
+      continue;
+    dem_bins *bins = &walls->bins[walls->groups++];
+    bins->wall = w;
+    PART_TRY(fill_bins(walls, bins, reach));
+  }
+  return PART_OK;
 }

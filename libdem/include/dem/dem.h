@@ -99,6 +99,33 @@ typedef struct dem_insert {
 } dem_insert;
 extern const part_param_table dem_insert_table;
 
+/* A wall and its motion: rows of dem/wall_params.def say what belongs to what. The place of a moving
+ * wall is a function of time alone: s = min(max(t, start_time), stop_time) - start_time,
+ * displacement velocity s + amplitude sin(2 pi frequency s) direction, angle rotation_rate s. */
+typedef enum {
+  DEM_WALL_PLANE,
+  DEM_WALL_CYLINDER,
+  DEM_WALL_TRIANGLES,
+  DEM_WALL_STL
+} dem_wall_type;
+typedef enum { DEM_WALL_INSIDE, DEM_WALL_OUTSIDE } dem_wall_side;
+typedef struct dem_wall_params {
+  int type;
+  char material[PART_PARAM_WORD_LENGTH];
+  double point[3], normal[3]; /* m, 1 */
+  double axis[3], radius;     /* 1, m */
+  int side;
+  double length; /* m */
+  char file[PART_PARAM_WORD_LENGTH];
+  double scale; /* m */
+  int open;
+  double velocity[3], centre[3]; /* m/s, m */
+  double rotation_axis[3], rotation_rate;                     /* 1, rad/s */
+  double oscillation_amplitude, oscillation_frequency;        /* m, Hz */
+  double oscillation_direction[3], start_time, stop_time;     /* 1, s */
+} dem_wall_params;
+extern const part_param_table dem_wall_table;
+
 /* ---- life ----------------------------------------------------------------------------------- */
 typedef struct dem_t dem_t;
 
@@ -112,10 +139,21 @@ int dem_find_material(const dem_t *dem, const char *name, int *number); /* error
 /* Contact of a pair of materials (both orders); a pair without one uses that of (-1, -1). */
 int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact);
 
-/* Walls. normal points to the side where particles are. A wall is known by its name. */
+/* Collective. A wall, known by its name; the materials are there. Triangles [count][3][3] (m, the
+ * same on every rank, in any order) for type triangles, 0 and NULL otherwise. The elements of a wall
+ * are numbered as its triangles were given; files do not depend on that order. ERR_RANGE,
+ * ERR_ARGUMENT, ERR_IO, ERR_FORMAT: the text names the wall and the entry, or what is wrong with the
+ * STL file (line, triangle, edge).
+ *
+ * In a periodic box a plane, and a cylinder with particles inside, go on through the border: the
+ * normal is at right angles to every periodic direction, the axis along it. Other walls are seen
+ * again one box length away, and move on without end. A wall turns only about an axis along the one
+ * periodic direction; a plane only about its normal, an infinite cylinder about its own direction. */
+int dem_add_wall(dem_t *dem, const char *name, const dem_wall_params *params, int count,
+                 const double *vertices);
+/* Short forms for walls at rest. Local. normal points to the side where particles are. */
 int dem_add_plane(dem_t *dem, const char *name, int material, const double point[3],
                   const double normal[3]);
-/* Triangles [count][3][3], the same on every rank (walls from mesh patches, STL). */
 int dem_add_triangles(dem_t *dem, const char *name, int material, int count,
                       const double *vertices);
 
@@ -168,6 +206,25 @@ typedef struct dem_report {
 } dem_report;
 /* Collective. */
 int dem_get_report(dem_t *dem, dem_report *report);
+
+/* ---- what walls feel -------------------------------------------------------------------------- */
+int dem_wall_count(const dem_t *dem); /* numbers 0, 1, ... in the order they were added */
+int dem_find_wall(const dem_t *dem, const char *name, int *number); /* error: nearest name */
+
+typedef struct dem_wall_report {
+  const char *name;      /* valid as long as dem */
+  int elements;
+  double centre[3];      /* m, now */
+  double velocity[3];    /* m/s, of centre, now */
+  double spin[3];        /* rad/s */
+  double force[3];       /* N, of particles on the wall, now */
+  double torque[3];      /* N m, about centre, now */
+  double impulse[3];     /* N s, of force since the start */
+  double spin_impulse[3];/* N m s, of torque since the start */
+  double work;           /* J, done by the moving wall on particles since the start */
+} dem_wall_report;
+/* Collective. The impulses of all walls together are -wall_impulse of dem_report to round-off. */
+int dem_get_wall_report(dem_t *dem, int wall, dem_wall_report *report);
 
 /* Position (m, of the mean of the members, unwrapped) and velocity (m/s) of a block. Collective. */
 int dem_block_state(dem_t *dem, int block, double position[3], double velocity[3]);
