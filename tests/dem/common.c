@@ -85,6 +85,14 @@ dem_insert random_spheres(int64_t number, double diameter, double diameter_max, 
   return insert;
 }
 
+dem_wall_params wall_of(int type) {
+  dem_wall_params wall;
+  part_params_default(&dem_wall_table, &wall);
+  wall.type = type;
+  strcpy(wall.material, "glass");
+  return wall;
+}
+
 void add_sphere(dem_t *dem, int kind, int block, const double x[3], double r, const double v[3]) {
   dem_insert insert = lattice(kind, 2.0 * r, x, 0.0, 1, 1, 1);
   memcpy(insert.velocity, v, sizeof insert.velocity);

@@ -48,6 +48,8 @@ dem_t *scene_create(const scene *s); /* material 0 is called "glass" */
 void add_sphere(dem_t *dem, int kind, int block, const double x[3], double r, const double v[3]);
 dem_insert lattice(int kind, double diameter, const double origin[3], double spacing, int nx,
                    int ny, int nz);
+/* A wall of glass with every entry at its default. */
+dem_wall_params wall_of(int type);
 /* Random spheres in a region. */
 dem_insert random_spheres(int64_t number, double diameter, double diameter_max, const double lo[3],
                           double extent, int64_t seed);

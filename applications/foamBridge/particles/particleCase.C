@@ -91,9 +91,24 @@ static void addContacts(dem_t* dem, const dictionary& properties)
   }
 }
 
-static void addPatches(dem_t* dem, const polyMesh& mesh, const word& name, const dictionary& dict)
+/* Entries of a wall by the table; those of patches become triangles, and checkStatus names the dictionary. */
+static dem_wall_params wallParams(dem_t* dem, const dictionary& dict, const bool patches)
 {
-  checkEntries(dict, wordList({"type", "patches", "material"}));
+  dictionary rest(dict);
+  if (patches)
+  {
+    rest.remove("patches");
+    rest.set("type", word("triangles"));
+  }
+  dem_wall_params params;
+  readParams(rest, dem_wall_table, &params);
+  material(dem, dict);
+  return params;
+}
+
+static void addPatches(dem_t* dem, const fvMesh& mesh, const word& name, const dictionary& dict)
+{
+  const dem_wall_params params(wallParams(dem, dict, true));
   const labelHashSet patches =
     mesh.boundaryMesh().patchSet(dict.get<wordRes>("patches")); // warns of a name without match
   if (patches.empty())
@@ -109,9 +124,9 @@ static void addPatches(dem_t* dem, const polyMesh& mesh, const word& name, const
     const word wall(name + ':' + mesh.boundaryMesh()[patchi].name());
     checkStatus
     (
-      dem_add_triangles
+      dem_add_wall
       (
-        dem, wall.c_str(), material(dem, dict), triangles.size(),
+        dem, wall.c_str(), &params, triangles.size(),
         reinterpret_cast<const double*>(triangles.cdata())
       ),
       dict
@@ -119,7 +134,7 @@ static void addPatches(dem_t* dem, const polyMesh& mesh, const word& name, const
   }
 }
 
-static void addWalls(dem_t* dem, const polyMesh& mesh, const dictionary& properties)
+static void addWalls(dem_t* dem, const fvMesh& mesh, const dictionary& properties)
 {
   if (!properties.found("walls")) return;
   for (const entry& e : section(properties, "walls"))
@@ -130,20 +145,16 @@ static void addWalls(dem_t* dem, const polyMesh& mesh, const dictionary& propert
     {
       addPatches(dem, mesh, e.keyword(), dict);
     }
-    else if (type == "plane")
+    else if (wordList({"plane", "cylinder", "stl"}).found(type))
     {
-      checkEntries(dict, wordList({"type", "point", "normal", "material"}));
-      const vector x(dict.get<vector>("point")), n(dict.get<vector>("normal"));
-      checkStatus
-      (
-        dem_add_plane(dem, e.keyword().c_str(), material(dem, dict), x.cdata(), n.cdata()), dict
-      );
+      const dem_wall_params params(wallParams(dem, dict, false));
+      checkStatus(dem_add_wall(dem, e.keyword().c_str(), &params, 0, nullptr), dict);
     }
     else
     {
       FatalIOErrorInFunction(dict)
-          << "wall '" << e.keyword() << "' has type '" << type << "'; valid: plane, patches"
-          << exit(FatalIOError);
+          << "wall '" << e.keyword() << "' has type '" << type
+          << "'; valid: plane, cylinder, stl, patches" << exit(FatalIOError);
     }
   }
 }
