@@ -1,4 +1,3 @@
-/* ranks: 1 2 */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Cylinders against closed forms: where they touch, and how spheres move in and on them. */
 #include "common.h"
