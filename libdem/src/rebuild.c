@@ -91,7 +91,6 @@ static void adapt_skin(dem_t *dem) {
 static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   int status = PART_OK;
   adapt_skin(dem);
-  const double reach = 2.0 * dem->r_max + dem->skin;
   if (*count == NULL && dem_history_needed(dem))
     status = dem_history_gather(dem, count, payload);
   PART_TRY(part_agree(dem->comm, status));
@@ -105,7 +104,8 @@ static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   }
   PART_TRY(part_agree(dem->comm, status));
   if (dem->plan.pairs)
-    PART_TRY(part_domain_ghosts(dem->domain, dem->store, reach));
+    PART_TRY(part_domain_sphere_ghosts(dem->domain, dem->store, DEM_FIELD_RADIUS, &dem->levels,
+                                       dem->skin));
   PART_TRY(part_agree(dem->comm, make_lists(dem, *count, *payload)));
   return dem->plan.pairs ? count_listed(dem) : PART_OK;
 }

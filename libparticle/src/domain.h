@@ -41,5 +41,7 @@ int part_domain_agree(const part_domain *domain, int status);
 /* part_fail with id and position of own particle i. */
 int part_domain_fail_at(const part_store *store, int i, int status, const char *what);
 void part_ghost_plan_free(ghost_plan *plan);
+/* One more copy: own particle i to a rank. */
+int part_ghost_plan_add(ghost_plan *plan, int i, int rank, const double shift[3]);
 
 #endif

@@ -22,6 +22,7 @@ typedef struct search {
   const pair_view *view;
   const part_levels *levels;
   part_near_function *near;
+  part_found found; /* the rows so far */
   double skin;
   int late; /* pairs kept aside */
 } search;
@@ -49,27 +50,6 @@ static void order_row(int *row, int n) {
     sort_row(row, n);
 }
 
-/* Members near xi (x, y, z, r) of one level, above an index, added at *count of the partners. */
-static int look_through(search *s, const part_cells *cells, const double xi[4], int above,
-                        int *count) {
-  pair_list *list = s->list;
-  int range[3][2];
-  if (!part_cells_range(cells, xi, xi[3] + cells->r_max + s->skin, range))
-    return PART_OK;
-  for (int z = range[2][0]; z <= range[2][1]; z++)
-    for (int y = range[1][0]; y <= range[1][1]; y++) {
-      const int *line = cells->start + (z * cells->n[1] + y) * cells->n[0];
-      const int from = line[range[0][0]], to = line[range[0][1] + 1];
-      if (from == to)
-        continue;
-      const size_t room = (size_t)*count + (size_t)(to - from) + CELLS_PADDING;
-      if (room > list->partner_room)
-        PART_TRY(part_pairs_room(list, room));
-      *count += s->near(cells, from, to, xi, s->skin, above, list->pairs.partner + *count);
-    }
-  return PART_OK;
-}
-
 static int keep_aside(search *s, int row, int partner) {
   pair_list *list = s->list;
   if (s->late == INT_MAX)
@@ -82,30 +62,31 @@ static int keep_aside(search *s, int row, int partner) {
 
 /* Partners of i in coarser levels: those after it stay in its row, for an own i; to the rows of own
  * ones before it i is a partner. */
-static int look_up(search *s, int i, int level, const double xi[4], int *count) {
-  const int first = *count, own = i < s->view->own;
+static int look_up(search *s, int i, int level, const double xi[4]) {
+  part_found *found = &s->found;
+  const int first = found->count, own = i < s->view->own;
   int kept = first;
   for (int k = level + 1; k < s->levels->count; k++)
-    PART_TRY(look_through(s, &s->list->level[k], xi, -1, count));
-  for (int k = first; k < *count; k++) {
-    const int j = s->list->pairs.partner[k];
+    PART_TRY(part_cells_near(&s->list->level[k], s->near, xi, s->skin, -1, found));
+  for (int k = first; k < found->count; k++) {
+    const int j = found->item[k];
     if (own && j > i)
-      s->list->pairs.partner[kept++] = j;
+      found->item[kept++] = j;
     else if (j < i && j < s->view->own)
       PART_TRY(keep_aside(s, j, i));
   }
-  *count = kept;
+  found->count = kept;
   return PART_OK;
 }
 
-static int look_around(search *s, int i, int *count) {
+static int look_around(search *s, int i) {
   const pair_view *v = s->view;
   const double *x = v->points.x + (size_t)i * (size_t)v->points.x_stride;
   const double xi[4] = {x[0], x[1], x[2], v->points.r[(size_t)i * (size_t)v->points.r_stride]};
   const int level = part_level_of(s->levels, xi[3]);
   if (i < v->own)
-    PART_TRY(look_through(s, &s->list->level[level], xi, i, count));
-  return look_up(s, i, level, xi, count);
+    PART_TRY(part_cells_near(&s->list->level[level], s->near, xi, s->skin, i, &s->found));
+  return look_up(s, i, level, xi);
 }
 
 /* Members of each level, in increasing order; order NULL: all are in one. */
@@ -169,15 +150,25 @@ static int merge(search *s) {
 
 static int fill_rows(search *s) {
   part_pairs *pairs = &s->list->pairs;
-  PART_TRY(fill_levels(s));
-  int count = 0;
   for (int i = 0; i < s->view->own; i++) {
-    PART_TRY(look_around(s, i, &count));
-    order_row(pairs->partner + pairs->start[i], count - pairs->start[i]);
-    pairs->start[i + 1] = count;
+    PART_TRY(look_around(s, i));
+    pairs->start[i + 1] = s->found.count;
+    order_row(s->found.item + pairs->start[i], pairs->start[i + 1] - pairs->start[i]);
   }
   for (int i = s->view->own; s->levels->count > 1 && i < s->view->all; i++)
-    PART_TRY(look_around(s, i, &count));
+    PART_TRY(look_around(s, i));
+  return PART_OK;
+}
+
+/* The list's own memory is lent to the search. */
+static int run(search *s) {
+  pair_list *list = s->list;
+  PART_TRY(fill_levels(s));
+  s->found = (part_found){0, list->pairs.partner, list->partner_room};
+  const int status = fill_rows(s);
+  list->pairs.partner = s->found.item;
+  list->partner_room = s->found.room;
+  PART_TRY(status);
   return s->late > 0 ? merge(s) : PART_OK;
 }
 
@@ -189,9 +180,10 @@ static int build(pair_list *list, const part_store *store, int radius_field,
   PART_TRY(part_pairs_begin(list, v.own, skin));
   if (levels == NULL)
     part_levels_set(&own, v.r_min, v.r_max);
-  search s = {list, &v, levels != NULL ? levels : &own, part_near_choose(), skin, 0};
+  search s = {list, &v, levels != NULL ? levels : &own, part_near_choose(),
+              {0, NULL, 0}, skin, 0};
   if (v.all > 0 && 2.0 * v.r_max + skin > 0.0) /* else nothing can be near anything */
-    PART_TRY(fill_rows(&s));
+    PART_TRY(run(&s));
   return part_pairs_end(list);
 }
 

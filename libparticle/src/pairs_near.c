@@ -3,6 +3,11 @@
  * multiply-add is fused, so that all give the same bits (-ffp-contract is off in C11 mode). */
 #include "pairs_near.h"
 
+#include <limits.h>
+
+#include "memory.h"
+#include "particle/status.h"
+
 #if defined(__x86_64__) && defined(__GNUC__)
 #define PART_X86 1
 #include <immintrin.h>
@@ -110,4 +115,30 @@ part_near_function *part_near_choose(void) {
     if (part_near_variant(k) != (part_near_function *)0)
       return part_near_variant(k);
   return near_plain;
+}
+
+static int make_room(part_found *found, int more) {
+  const size_t room = (size_t)found->count + (size_t)more + CELLS_PADDING;
+  if (room <= found->room)
+    return PART_OK;
+  if (room > INT_MAX)
+    return part_fail(PART_ERR_RANGE, "more than %d pairs on one rank", INT_MAX);
+  return part_grow(room, sizeof *found->item, &found->room, &found->item);
+}
+
+int part_cells_near(const part_cells *cells, part_near_function *near, const double xi[4],
+                    double skin, int above, part_found *found) {
+  int range[3][2];
+  if (!part_cells_range(cells, xi, xi[3] + cells->r_max + skin, range))
+    return PART_OK;
+  for (int z = range[2][0]; z <= range[2][1]; z++)
+    for (int y = range[1][0]; y <= range[1][1]; y++) {
+      const int *line = cells->start + (z * cells->n[1] + y) * cells->n[0];
+      const int from = line[range[0][0]], to = line[range[0][1] + 1];
+      if (from == to)
+        continue;
+      PART_TRY(make_room(found, to - from));
+      found->count += near(cells, from, to, xi, skin, above, found->item + found->count);
+    }
+  return PART_OK;
 }

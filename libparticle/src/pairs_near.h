@@ -23,4 +23,16 @@ part_near_function *part_near_choose(void);
 /* Number k of those there are (0: plain loop), NULL beyond them or where the processor can not. */
 part_near_function *part_near_variant(int k);
 
+/* What a search found; item is freed by whoever owns it. */
+typedef struct part_found {
+  int count;
+  int *item;
+  size_t room;
+} part_found;
+
+/* Add the members of all cells that are near the sphere xi and above an index. ERR_RANGE: more than
+ * an int counts. */
+int part_cells_near(const part_cells *cells, part_near_function *near, const double xi[4],
+                    double skin, int above, part_found *found);
+
 #endif

@@ -88,6 +88,101 @@ static void power_law(part_store *store, double r1, double ratio) {
   }
 }
 
+/* Of each row the number of partners, and a sum over their ids and places that does not depend on
+ * their order. */
+static uint64_t *row_sums(const part_store *store, double skin) {
+  part_pairs *pairs;
+  uint64_t *sum = calloc(2 * (size_t)store->local + 1, sizeof *sum);
+  OK(part_pairs_create(0, &pairs));
+  OK(part_pairs_build(pairs, store, F_R, NULL, skin));
+  for (int i = 0; i < pairs->rows; i++)
+    for (int k = pairs->start[i]; k < pairs->start[i + 1]; k++) {
+      uint64_t bits = 0, x;
+      for (int d = 0; d < 3; d++) {
+        memcpy(&x, position(store, pairs->partner[k]) + d, sizeof x);
+        bits = bits * 31 + x;
+      }
+      sum[2 * i]++;
+      sum[2 * i + 1] += (bits ^ (uint64_t)*id_of(store, pairs->partner[k])) * 0x9e3779b97f4a7c15u;
+    }
+  part_pairs_destroy(pairs);
+  return sum;
+}
+
+/* Few ghosts by radii list the same pairs as all that are within the longest reach. */
+static void ghosts_of_what_is_needed(void **state) {
+  (void)state;
+  const double ratio[] = {1.0, 3.0, 20.0, 100.0};
+  long long few = 0, all = 0;
+  for (int which = 0; which < 8; which++) {
+    part_domain *domain;
+    part_store *store;
+    part_levels levels;
+    const double r1 = 0.1, q = ratio[which / 2], skin = 0.004;
+    set_up(which % 2 == 0 ? &free_box : &periodic_box, 600, r1 / q, r1, &domain, &store);
+    power_law(store, r1, q);
+    OK(part_domain_balance(domain, store, NULL));
+    OK(part_domain_migrate(domain, store, 0, NULL, NULL));
+    part_levels_set(&levels, r1 / q, r1);
+    OK(part_domain_ghosts(domain, store, 2 * r1 + skin));
+    all += which > 3 ? store->ghost : 0;
+    uint64_t *wanted = row_sums(store, skin);
+    OK(part_domain_sphere_ghosts(domain, store, F_R, &levels, skin));
+    few += which > 3 ? store->ghost : 0;
+    uint64_t *found = row_sums(store, skin);
+    assert_memory_equal(found, wanted, 2 * (size_t)store->local * sizeof *wanted);
+    OK(part_domain_update_ghosts(domain, store));
+    uint64_t *again = row_sums(store, skin);
+    assert_memory_equal(again, wanted, 2 * (size_t)store->local * sizeof *wanted);
+    free(wanted);
+    free(found);
+    free(again);
+    part_store_destroy(store);
+    part_domain_destroy(domain);
+  }
+  print_message("ghosts of wide distributions on this rank: %lld of %lld\n", few, all);
+  assert_true(2 * few < all);
+}
+
+/* Small spheres on one side, one large on the other: only those that it touches are copied. */
+static void small_ghosts_of_a_large_sphere(void **state) {
+  (void)state;
+  part_domain *domain;
+  part_store *store;
+  uint64_t seed = 5;
+  part_levels levels;
+  OK(part_domain_create(MPI_COMM_WORLD, &free_box, &domain));
+  OK(part_store_create(&test_layout, &store));
+  if (world_rank() == 0) {
+    fill_random(store, 1000, 0, &free_box, 0.004, 0.004, &seed);
+    const double x[3] = {0.5, 0.5, 0.5};
+    fill_particle(store, 0, 0, x, 0.2);
+  }
+  OK(part_domain_balance(domain, store, NULL));
+  OK(part_domain_migrate(domain, store, 0, NULL, NULL));
+  part_levels_set(&levels, 0.004, 0.2);
+  OK(part_domain_sphere_ghosts(domain, store, F_R, &levels, 0.01));
+  double lo[3] = {9, 9, 9}, hi[3] = {-9, -9, -9}; /* around own small ones */
+  for (int i = 0; i < store->local; i++)
+    for (int d = 0; d < 3 && *id_of(store, i) != 0; d++) {
+      lo[d] = fmin(lo[d], position(store, i)[d]);
+      hi[d] = fmax(hi[d], position(store, i)[d]);
+    }
+  for (int g = store->local; g < store->local + store->ghost; g++) {
+    double d2 = 0.0, out = 0.0;
+    for (int d = 0; d < 3; d++) {
+      const double x = position(store, g)[d];
+      d2 += (x - 0.5) * (x - 0.5);
+      out = fmax(out, fmax(lo[d] - x, x - hi[d]));
+    }
+    /* The large one itself, what touches it, or within reach of small ones over a cut. */
+    assert_true(*id_of(store, g) == 0 || sqrt(d2) < 0.2141 || out < 0.0181);
+  }
+  FAILS(PART_ERR_RANGE, "skin", part_domain_sphere_ghosts(domain, store, F_R, &levels, -0.1));
+  part_store_destroy(store);
+  part_domain_destroy(domain);
+}
+
 static void wide_distributions(void **state) {
   (void)state;
   const double ratio[] = {1.0, 1.9, 2.1, 10.0, 50.0, 100.0};
@@ -412,6 +507,8 @@ static void sort_is_canonical(void **state) {
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(fast_is_naive),
     cmocka_unit_test(wide_distributions),
+    cmocka_unit_test(ghosts_of_what_is_needed),
+    cmocka_unit_test(small_ghosts_of_a_large_sphere),
     cmocka_unit_test(levels_hold_radii),
     cmocka_unit_test(near_variants),
     cmocka_unit_test(unusual_places),

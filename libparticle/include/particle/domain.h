@@ -6,6 +6,7 @@
 #define PARTICLE_DOMAIN_H
 
 #include <mpi.h>
+#include "particle/levels.h"
 #include "particle/store.h"
 
 #ifdef __cplusplus
@@ -69,6 +70,13 @@ int part_domain_migrate_home(part_domain *domain, part_store *store, double *hom
  * reach long in a periodic direction is ERR_RANGE (a pair would meet twice); a particle more than a
  * quarter of its length outside is ERR_OUTSIDE. */
 int part_domain_ghosts(part_domain *domain, part_store *store, double reach);
+/* Collective. The same for spheres: every pair nearer than r_i + r_j + skin is complete on the rank
+ * of each of the two, and little else is copied: of a level of radii a layer as thick as spheres of
+ * that level are, and of the smaller ones those that are that near to a large sphere of the other
+ * rank. The periodic box must be two longest reaches (2 r_max + skin) long. The same levels on
+ * every rank. */
+int part_domain_sphere_ghosts(part_domain *domain, part_store *store, int radius_field,
+                              const part_levels *levels, double skin);
 /* Collective. Refresh record 0 and the PART_GHOST records of the copies from their originals, shift
  * kept. ERR_STATE: own particles or ghosts are not those of the last part_domain_ghosts (on every
  * rank, or the others wait). */
