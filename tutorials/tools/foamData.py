@@ -77,6 +77,36 @@ def particles(case, time):
         return group['Points'][:], 2 * group['PointData/radius'][:]
 
 
+def particle_data(case, time):
+    """All arrays of particles/<time>.vtkhdf by name ('Points': centres), rows in the order of id."""
+    import h5py
+    with h5py.File(os.path.join(case, 'particles', time + '.vtkhdf'), 'r') as source:
+        found = {name: value[:] for name, value in source['VTKHDF/PointData'].items()}
+        found['Points'] = source['VTKHDF/Points'][:]
+    order = np.argsort(found['id'])
+    return {name: value[order] for name, value in found.items()}
+
+
+def table(case, folder, name):
+    """A table of demFoam (postProcessing/folder/<start>/name), later starts over earlier ones: {column: values}. Columns of a
+    vector are named in the header as 'momentum x y z'; they come as [n][3]."""
+    root = os.path.join(case, 'postProcessing', folder)
+    parts = []
+    for start in sorted(os.listdir(root), key=float):
+        path = os.path.join(root, start, name)
+        rows = np.loadtxt(path, ndmin=2)
+        parts = [p[p[:, 0] < rows[0, 0]] for p in parts] + [rows]
+    with open(path) as source:
+        heads = source.readline().lstrip('# ').rstrip().split('\t')
+    rows, found, at = np.concatenate(parts), {}, 0
+    for head in heads:
+        head = re.sub(r' *\[.*\]', '', head)
+        width = 3 if head.endswith(' x y z') else 1
+        found[re.sub(r' x y z$', '', head)] = rows[:, at:at + 3] if width == 3 else rows[:, at]
+        at += width
+    return found
+
+
 class Results:
     """Rows (quantity, unit, computed, closed form, paper), printed and kept for tutorials/comparison."""
 

@@ -7,6 +7,7 @@
 #   runStage blockMesh            a command; output in log.<command>; stops with the end of the log if it fails
 #   runSolver cfdDemFoam          the same on $RANKS ranks, with decomposePar, reconstructPar and progress lines
 #   runPlot                       ./plot with $PYTHON
+#   runRender                     ./render with $PYTHON, where there is a display, real or virtual
 
 TUTORIALS=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 source "$TUTORIALS/../etc/bashrc"
@@ -77,10 +78,20 @@ runSolver() { # solver [options]
     tail -n 25 "$log" >&2
     exit 1
   fi
-  if [ "$RANKS" -gt 1 ]; then runStage reconstructPar; fi
+  # Without fields there is nothing that reconstructPar (which wants fvSchemes) is needed for: particles/ is whole
+  if [ "$RANKS" -gt 1 ] && [ -f system/fvSchemes ]; then runStage reconstructPar; fi
 }
 
 runPlot() {
   [ "$PLOT" = 1 ] || return 0
   "$PYTHON" ./plot
+}
+
+runRender() {
+  [ "$PLOT" = 1 ] || return 0
+  if [ -z "${DISPLAY:-}" ] && ! command -v Xvfb >/dev/null; then
+    echo "$(caseName): no picture of the particles, because there is neither a display nor Xvfb"
+    return 0
+  fi
+  "$TUTORIALS/../etc/withDisplay" "$PYTHON" ./render
 }
