@@ -122,6 +122,8 @@ def triangles(corners, colour=(0.55, 0.6, 0.65), opacity=1.0):
     actor.SetMapper(mapper)
     actor.GetProperty().SetColor(*colour)
     actor.GetProperty().SetOpacity(opacity)
+    actor.GetProperty().SetAmbient(0.6)
+    actor.GetProperty().SetDiffuse(0.4)
     return actor
 
 

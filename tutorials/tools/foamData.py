@@ -110,8 +110,9 @@ def table(case, folder, name):
 class Results:
     """Rows (quantity, unit, computed, closed form, paper), printed and kept for tutorials/comparison."""
 
-    def __init__(self, case):
-        self.case, self.rows = case, []
+    def __init__(self, case, compared='closed form', published='paper'):
+        """compared, published: heads of the columns of the two kinds of reference."""
+        self.case, self.rows, self.heads = case, [], dict(compared=compared, published=published)
 
     def add(self, quantity, unit, computed, closed=None, paper='', digits=4, limit=None):
         """limit: largest relative difference to the closed form; beyond it the case has failed."""
@@ -128,7 +129,7 @@ class Results:
         """Write path (json), print the rows; exit status for the script."""
         with open(path, 'w') as out:
             json.dump(dict(case=self.case, seconds=seconds, rows=self.rows), out, indent=1)
-        print_table([dict(r, case=self.case, seconds=seconds) for r in self.rows])
+        print_table([dict(r, case=self.case, seconds=seconds) for r in self.rows], **self.heads)
         return 0 if all(r['good'] for r in self.rows) else 1
 
 
@@ -140,9 +141,9 @@ def difference(computed, closed):
     return '< 1e-6 %' if abs(percent) < 1e-6 else '%+.2g %%' % percent
 
 
-def print_table(rows, out=None):
+def print_table(rows, out=None, compared='closed form', published='paper'):
     """Rows of Results as a text table."""
-    head = ('case', 'quantity', 'unit', 'computed', 'closed form', 'difference', 'paper', 'run time')
+    head = ('case', 'quantity', 'unit', 'computed', compared, 'difference', published, 'run time')
     lines, last = [head], None
     for r in rows:
         number = '%.{}g'.format(r['digits'])

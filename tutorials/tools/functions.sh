@@ -4,6 +4,8 @@
 #
 #   source ../../tools/functions.sh
 #   caseOptions "$@"              -parallel N, -noPlot, -h (prints the comment at the top of Allrun)
+#   copyCase runs/a               a fresh copy of the case, without results; goes there
+#   setEntry FILE ENTRY VALUE     of a dictionary
 #   runStage blockMesh            a command; output in log.<command>; stops with the end of the log if it fails
 #   runSolver cfdDemFoam          the same on $RANKS ranks, with decomposePar, reconstructPar and progress lines
 #   runPlot                       ./plot with $PYTHON
@@ -35,6 +37,19 @@ caseOptions() {
       *) fail "unknown option '$1'; valid: -parallel N, -noPlot, -h" ;;
     esac
   done
+}
+
+copyCase() { # folder
+  rm -rf "$1"
+  mkdir -p "$1"
+  [ ! -d 0.orig ] || cp -r 0.orig "$1/0"
+  cp -r constant system "$1/"
+  cd "$1"
+  rm -rf constant/polyMesh
+}
+
+setEntry() { # file entry value
+  foamDictionary "$1" -entry "$2" -set "$3" >>log.foamDictionary 2>&1 || fail "foamDictionary failed: $1 $2"
 }
 
 runStage() { # command...

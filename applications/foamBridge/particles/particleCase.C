@@ -91,32 +91,37 @@ static void addContacts(dem_t* dem, const dictionary& properties)
   }
 }
 
-/* Entries of a wall by the table; those of patches become triangles, and checkStatus names the dictionary. */
-static dem_wall_params wallParams(dem_t* dem, const dictionary& dict, const bool patches)
+/* A file named in a dictionary: relative to the case, wherever the solver was started. */
+template<unsigned N>
+static void locateFile(const Time& time, const dictionary& dict, char (&path)[N])
 {
-  dictionary rest(dict);
-  if (patches)
+  fileName file(path);
+  file.expand();
+  if (file.empty()) return;
+  if (!file.isAbsolute() && cwd() != time.globalPath()) file = time.globalPath()/file;
+  if (file.size() >= N)
   {
-    rest.remove("patches");
-    rest.set("type", word("triangles"));
+    FatalIOErrorInFunction(dict)
+        << "entry 'file': the path " << file << " has more than " << label(N - 1) << " characters"
+        << exit(FatalIOError);
   }
-  dem_wall_params params;
-  readParams(rest, dem_wall_table, &params);
-  material(dem, dict);
-  return params;
+  strcpy(path, file.c_str());
 }
 
-static void addPatches(dem_t* dem, const fvMesh& mesh, const word& name, const dictionary& dict)
+/* Patches of the mesh, each a wall of its own: <name>:<patch>. */
+static void addPatches
+(
+  dem_t* dem, const polyMesh& mesh, const word& name, const dictionary& dict,
+  const dem_wall_params& params
+)
 {
-  const dem_wall_params params(wallParams(dem, dict, true));
-  const labelHashSet patches =
-    mesh.boundaryMesh().patchSet(dict.get<wordRes>("patches")); // warns of a name without match
+  const wordRes wanted(dict.get<wordRes>("patches"));
+  const labelHashSet patches = mesh.boundaryMesh().patchSet(wanted); // warns of a name without match
   if (patches.empty())
   {
     FatalIOErrorInFunction(dict)
-        << "wall '" << name << "': no patch matches " << dict.get<wordRes>("patches")
-        << "; patches of the mesh: " << flatOutput(mesh.boundaryMesh().names())
-        << exit(FatalIOError);
+        << "wall '" << name << "': no patch matches " << wanted << "; patches of the mesh: "
+        << flatOutput(mesh.boundaryMesh().names()) << exit(FatalIOError);
   }
   for (const label patchi : patches.sortedToc())
   {
@@ -126,40 +131,51 @@ static void addPatches(dem_t* dem, const fvMesh& mesh, const word& name, const d
     (
       dem_add_wall
       (
-        dem, wall.c_str(), &params, triangles.size(),
-        reinterpret_cast<const double*>(triangles.cdata())
+        dem, wall.c_str(), &params, triangles.size(), reinterpret_cast<const double*>(triangles.cdata())
       ),
       dict
     );
   }
 }
 
-static void addWalls(dem_t* dem, const fvMesh& mesh, const dictionary& properties)
+/* By the table of libdem; its type triangles is patches here. */
+static void addWall(dem_t* dem, const polyMesh& mesh, const word& name, const dictionary& dict)
 {
-  if (!properties.found("walls")) return;
-  for (const entry& e : section(properties, "walls"))
+  const word type(dict.get<word>("type"));
+  const bool isPatches = type == "patches";
+  if (!wordList({"plane", "cylinder", "stl", "patches"}).found(type))
   {
-    const dictionary& dict = e.dict();
-    const word type(dict.get<word>("type"));
-    if (type == "patches")
-    {
-      addPatches(dem, mesh, e.keyword(), dict);
-    }
-    else if (wordList({"plane", "cylinder", "stl"}).found(type))
-    {
-      const dem_wall_params params(wallParams(dem, dict, false));
-      checkStatus(dem_add_wall(dem, e.keyword().c_str(), &params, 0, nullptr), dict);
-    }
-    else
-    {
-      FatalIOErrorInFunction(dict)
-          << "wall '" << e.keyword() << "' has type '" << type
-          << "'; valid: plane, cylinder, stl, patches" << exit(FatalIOError);
-    }
+    FatalIOErrorInFunction(dict)
+        << "wall '" << name << "' has type '" << type << "'; valid: plane, cylinder, stl, patches"
+        << exit(FatalIOError);
+  }
+  dictionary settings(dict);
+  if (isPatches)
+  {
+    settings.set("type", word("triangles"));
+    settings.remove("patches");
+  }
+  dem_wall_params params;
+  readParams(settings, dem_wall_table, &params);
+  material(dem, dict);
+  locateFile(mesh.time(), dict, params.file);
+  if (isPatches)
+  {
+    addPatches(dem, mesh, name, dict, params);
+  }
+  else
+  {
+    checkStatus(dem_add_wall(dem, name.c_str(), &params, 0, nullptr), dict);
   }
 }
 
-static void insertAll(dem_t* dem, const dictionary& properties)
+static void addWalls(dem_t* dem, const polyMesh& mesh, const dictionary& properties)
+{
+  if (!properties.found("walls")) return;
+  for (const entry& e : section(properties, "walls")) addWall(dem, mesh, e.keyword(), e.dict());
+}
+
+static void insertAll(dem_t* dem, const Time& time, const dictionary& properties)
 {
   int block = 0;
   for (const entry& e : section(properties, "insertion"))
@@ -167,6 +183,7 @@ static void insertAll(dem_t* dem, const dictionary& properties)
     dem_insert insert;
     readParams(e.dict(), dem_insert_table, &insert);
     material(dem, e.dict());
+    locateFile(time, e.dict(), insert.file);
     const bool isBlock = insert.kind == DEM_BLOCK;
     int64_t inserted = 0;
     checkStatus(dem_insert_particles(dem, &insert, isBlock ? block : -1, &inserted), e.dict());
@@ -224,7 +241,7 @@ dem_t* createParticles
   restarted = !start;
   if (start)
   {
-    insertAll(dem, properties);
+    insertAll(dem, time, properties);
   }
   else if (isFile(file))
   {

@@ -8,14 +8,14 @@
 namespace Foam
 {
 
-static autoPtr<OFstream> openTable(const Time& time, const word& name)
+static OFstream* openTable(const Time& time, const word& kind, const word& name, const char* head)
 {
-  autoPtr<OFstream> file;
-  if (!Pstream::master()) return file;
-  const fileName folder(time.globalPath()/"postProcessing"/"particles"/time.timeName());
+  if (!Pstream::master()) return nullptr;
+  const fileName folder(time.globalPath()/"postProcessing"/kind/time.timeName());
   mkDir(folder);
-  file.reset(new OFstream(folder/name));
+  OFstream* file = new OFstream(folder/(name + ".dat"));
   file->precision(12);
+  *file << "# Time [s]\t" << head << endl;
   return file;
 }
 
@@ -28,18 +28,37 @@ particleTables::particleTables(const particleSystem& particles, const Time& time
 :
   particles_(particles),
   time_(time),
-  state_(openTable(time, "particles.dat"))
+  state_
+  (
+    openTable
+    (
+      time, "particles", "particles",
+      "particles\tcontacts\twall contacts\tmax overlap\tmax speed [m/s]\tkinetic energy [J]"
+      "\tpotential energy [J]\tmomentum x y z [N s]\tgravity impulse x y z [N s]\tfluid impulse x y z [N s]"
+      "\twall impulse x y z [N s]\tsupport impulse x y z [N s]\tbudget error"
+    )
+  ),
+  walls_(dem_wall_count(particles.dem()))
 {
-  if (state_.valid())
+  forAll(walls_, wall)
   {
-    state_() << "# Time [s]\tparticles\tcontacts\twall contacts\tmax overlap\tmax speed [m/s]\tkinetic energy [J]"
-                "\tpotential energy [J]\tmomentum x y z [N s]\tfrom gravity x y z\tfluid x y z\twalls x y z"
-                "\tfixed particles x y z\tbudget error" << endl;
+    dem_wall_report r;
+    checkStatus(dem_get_wall_report(particles.dem(), wall, &r), "particleTables");
+    walls_.set
+    (
+      wall,
+      openTable
+      (
+        time, "walls", r.name,
+        "centre x y z [m]\tforce x y z [N]\ttorque x y z [N m]\timpulse x y z [N s]"
+        "\tspin impulse x y z [N m s]\twork [J]"
+      )
+    );
   }
-  row();
+  write();
 }
 
-void particleTables::row()
+void particleTables::stateRow()
 {
   dem_report r;
   checkStatus(dem_get_report(particles_.dem(), &r), "particleTables");
@@ -57,6 +76,25 @@ void particleTables::row()
   os << tab << r.budget_error << endl;
 }
 
-void particleTables::write() { row(); }
+void particleTables::wallRow(label wall)
+{
+  dem_wall_report r;
+  checkStatus(dem_get_wall_report(particles_.dem(), wall, &r), "particleTables");
+  if (!Pstream::master()) return;
+  OFstream& os = walls_[wall];
+  os << time_.value();
+  put(os, r.centre);
+  put(os, r.force);
+  put(os, r.torque);
+  put(os, r.impulse);
+  put(os, r.spin_impulse);
+  os << tab << r.work << endl;
+}
+
+void particleTables::write()
+{
+  stateRow();
+  forAll(walls_, wall) wallRow(wall);
+}
 
 } // namespace Foam
