@@ -61,6 +61,8 @@ static int substep(dem_t *dem, double t, double h, int fluid) {
   dem_free_kick_drift(dem, t, h, fluid);
   if (dem->plan.blocks)
     dem_blocks_kick_drift(dem, t, h);
+  if (dem->plan.clumps)
+    dem_clumps_kick_drift(dem, t, h, fluid);
   dem_walls_move(dem, t + h, h);
   PART_TRY(dem_refresh(dem, -1.0));
   PART_TRY(dem_forces(dem, h));
@@ -68,6 +70,8 @@ static int substep(dem_t *dem, double t, double h, int fluid) {
   dem_free_kick(dem, t + 0.5 * h, h, fluid);
   if (dem->plan.blocks)
     dem_blocks_kick(dem, t + 0.5 * h, h);
+  if (dem->plan.clumps)
+    dem_clumps_kick(dem, t + 0.5 * h, h, fluid);
   dem->substeps++;
   return PART_OK;
 }
@@ -110,17 +114,21 @@ static int plain_substeps(dem_t *dem, double t0, double h, int n, int fluid) {
 static int count_substeps(dem_t *dem, double dt, int *n) {
   int free_flight = 0;
   *n = 1;
+  dem->clumps.parts = 1;
   if (dt <= dem->stable_step)
     return PART_OK;
   PART_TRY(dem_horizon(dem, dt, &free_flight));
-  if (free_flight)
+  if (free_flight && !dem->plan.clumps)
     return PART_OK;
   /* A ratio that is whole but for rounding is meant to be whole. */
   const double ratio = ceil(dt / dem->stable_step * (1.0 - 1e-12));
   if (ratio > 1e9)
     return part_fail(PART_ERR_RANGE, "advance by %g s: more than 1e9 substeps of %g s", dt,
                      dem->stable_step);
-  *n = (int)ratio;
+  if (free_flight) /* the turn of a clump is not exact: it takes its steps alone */
+    dem->clumps.parts = (int)ratio;
+  else
+    *n = (int)ratio;
   return PART_OK;
 }
 
@@ -208,8 +216,10 @@ int dem_kick(dem_t *dem, const double *impulse) {
   status = part_agree(dem->comm, status);
   if (status == PART_OK)
     status = dem_rank_sum(dem, 3 * dem->blocks, sums);
-  if (status == PART_OK)
+  if (status == PART_OK) {
     dem_blocks_add(dem, sums);
+    dem_clumps_add(dem, impulse);
+  }
   free(sums);
   return status;
 }

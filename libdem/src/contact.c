@@ -9,6 +9,7 @@
  * This is the plain loop, for any scene and any processor; fast.c has the vector one. */
 #include "internal.h"
 #include "laws.h"
+#include "rotation.h"
 
 #if defined(__GNUC__)
 #define DEM_ALWAYS_INLINE static inline __attribute__((always_inline))
@@ -46,17 +47,26 @@ typedef struct loop {
   const double *restrict xr, *restrict vm;
   double *restrict ft;
   const dem_coefs *restrict coefs;
-  const dem_t *mixed; /* blocks or fixed particles are there; NULL: all are free */
+  const dem_t *mixed;          /* blocks, clumps or fixed particles are there; NULL: all are free */
+  const double *restrict turn; /* clumps.h; NULL: there are no clumps */
   int materials, local;
 } loop;
 
-/* 1/m_eff of the damping; see blocks.c for members of blocks. */
-DEM_ALWAYS_INLINE double inverse_mass(const loop *in, int i, int j) {
+/* Does it move as a whole, or with what else touches at the same time? See blocks.c. */
+DEM_ALWAYS_INLINE int is_single(const dem_t *dem, int i) {
+  const int kind = dem_kind_of(dem, i);
+  return kind == DEM_FREE || kind == DEM_CLUMP;
+}
+
+/* 1/m_eff of the damping; see blocks.c for members of blocks, R.4 for those of clumps. */
+DEM_ALWAYS_INLINE double inverse_mass(const loop *in, int i, int j, const double n[3]) {
   const double *vi = in->vm + DEM_VM * (size_t)i, *vj = in->vm + DEM_VM * (size_t)j;
-  if (in->mixed != NULL && dem_kind_of(in->mixed, i) != DEM_FREE &&
-      dem_kind_of(in->mixed, j) != DEM_FREE)
+  if (in->mixed != NULL && !is_single(in->mixed, i) && !is_single(in->mixed, j))
     return (vi[3] > 0.0 ? 1.0 / dem_own_mass(in->mixed, i) : 0.0) +
            (vj[3] > 0.0 ? 1.0 / dem_own_mass(in->mixed, j) : 0.0);
+  if (in->turn != NULL)
+    return vi[3] + vj[3] + dem_form(in->turn + 6 * (size_t)i, n) +
+           dem_form(in->turn + 6 * (size_t)j, n);
   return vi[3] + vj[3];
 }
 
@@ -68,11 +78,11 @@ DEM_ALWAYS_INLINE void one_pair(const loop *in, int i, int j, double d2, const d
   dem_touch touch;
   double force[3], torque[3] = {0.0, 0.0, 0.0};
   touch.overlap = ri + rj - distance;
-  touch.inverse_root = sqrt(inverse_mass(in, i, j));
-  touch.root_mass = 1.0 / touch.inverse_root;
-  touch.touches = 1;
   for (int c = 0; c < 3; c++)
     touch.n[c] = d[c] * inverse;
+  touch.inverse_root = sqrt(inverse_mass(in, i, j, touch.n));
+  touch.root_mass = 1.0 / touch.inverse_root;
+  touch.touches = 1;
   const double share = distance / (ri + rj), arm_i = share * ri, arm_j = share * rj;
   surface_velocity(vi, vj, touch.n, arm_i, arm_j, tangential, touch.v);
   law(&in->coefs[(int)vi[7] * in->materials + (int)vj[7]], &touch, tangential, dt, spring, force);
@@ -93,6 +103,7 @@ DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, law_function *law, int tangential, 
                    .ft = dem_ft(dem),
                    .coefs = dem->coefs,
                    .mixed = dem->plan.all_free ? NULL : dem,
+                   .turn = dem->plan.clumps ? dem->clumps.turn : NULL,
                    .materials = dem->materials,
                    .local = dem->store->local};
   const part_pairs *pairs = dem->pairs;
@@ -167,7 +178,8 @@ int dem_pair_list_filter(dem_t *dem) {
     for (int k = begin; k < end; k++) {
       const int j = pairs->partner[k];
       const int same = kind == dem_kind_of(dem, j) &&
-                       (kind == DEM_FIXED || (kind == DEM_BLOCK && block == dem_block_of(dem, j)));
+                       (kind == DEM_FIXED || ((kind == DEM_BLOCK || kind == DEM_CLUMP) &&
+                                              block == dem_block_of(dem, j)));
       if (!same)
         pairs->partner[used++] = j;
     }

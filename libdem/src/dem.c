@@ -2,8 +2,8 @@
 /* Life of a dem_t, its materials and contacts, and the small queries. */
 #include "internal.h"
 
-static const char *const stage_names[DEM_STAGE_COUNT] = {"integrate",  "contact", "walls",
-                                                         "neighbours", "ghosts",  "blocks"};
+static const char *const stage_names[DEM_STAGE_COUNT] = {
+    "integrate", "contact", "walls", "neighbours", "ghosts", "blocks", "clumps"};
 
 static int create_parts(dem_t *dem, MPI_Comm comm, const part_box *box) {
   if (MPI_Comm_dup(comm, &dem->comm) != MPI_SUCCESS)
@@ -66,6 +66,7 @@ int dem_create(MPI_Comm comm, const part_box *box, const dem_params *params, dem
     return status;
   }
   dem->stable_step = HUGE_VAL;
+  dem->clumps.parts = 1;
   *result = dem;
   return PART_OK;
 }
@@ -87,6 +88,8 @@ void dem_destroy(dem_t *dem) {
   free(dem->given);
   free(dem->coefs);
   free(dem->seed);
+  dem_clumps_free(&dem->clumps);
+  dem_clumps_free_seeds(&dem->clumps);
   free(dem->block);
   free(dem->block_gravity);
   free(dem->mass_of);
@@ -187,5 +190,36 @@ int dem_block_state(dem_t *dem, int block, double position[3], double velocity[3
     return part_fail(PART_ERR_RANGE, "there is no block %d", block);
   memcpy(position, dem->block[block].x, 3 * sizeof(double));
   memcpy(velocity, dem->block[block].v, 3 * sizeof(double));
+  return PART_OK;
+}
+
+int dem_clump_state(dem_t *dem, int64_t number, dem_clump_report *report) {
+  double found[21] = {0.0};
+  if (!dem->started)
+    return part_fail(PART_ERR_STATE, "dem_clump_state comes after dem_start");
+  for (int b = 0; b < dem->clumps.count; b++) {
+    const dem_clump *clump = &dem->clumps.clump[b];
+    if (clump->number != number)
+      continue;
+    found[0] = clump->count;
+    found[1] = clump->mass;
+    memcpy(found + 2, clump->x, sizeof clump->x);
+    memcpy(found + 5, clump->v, sizeof clump->v);
+    memcpy(found + 8, clump->q, sizeof clump->q);
+    dem_clump_rotation(clump, found + 12);
+    memcpy(found + 15, clump->spin, sizeof clump->spin);
+    memcpy(found + 18, clump->inertia, sizeof clump->inertia);
+  }
+  PART_TRY(dem_rank_sum(dem, 21, found)); /* zeros but for one rank */
+  if (!(found[0] > 0.0))
+    return part_fail(PART_ERR_RANGE, "there is no clump %lld", (long long)number);
+  report->members = (int64_t)found[0];
+  report->mass = found[1];
+  memcpy(report->position, found + 2, sizeof report->position);
+  memcpy(report->velocity, found + 5, sizeof report->velocity);
+  memcpy(report->attitude, found + 8, sizeof report->attitude);
+  memcpy(report->angular_velocity, found + 12, sizeof report->angular_velocity);
+  memcpy(report->angular_momentum, found + 15, sizeof report->angular_momentum);
+  memcpy(report->inertia, found + 18, sizeof report->inertia);
   return PART_OK;
 }

@@ -49,6 +49,11 @@ int dem_forces(dem_t *dem, double dt) {
   }
   dem_wall_stage(dem, dt);
   support_force(dem);
+  if (dem->plan.clumps) {
+    part_timers_start(dem->timers, dem->stage[DEM_STAGE_CLUMPS]);
+    dem_clumps_forces(dem);
+    part_timers_stop(dem->timers, dem->stage[DEM_STAGE_CLUMPS]);
+  }
   if (dem->plan.blocks) {
     part_timers_start(dem->timers, dem->stage[DEM_STAGE_BLOCKS]);
     PART_TRY(dem_blocks_forces(dem));

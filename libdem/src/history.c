@@ -3,7 +3,7 @@
  * pairs are those of part_pairs_gather; the others come from the carriers. */
 #include "internal.h"
 
-static const dem_carrier *const carriers[] = {&dem_walls_carrier};
+static const dem_carrier *const carriers[] = {&dem_walls_carrier, &dem_clumps_carrier};
 enum { CARRIERS = sizeof carriers / sizeof carriers[0] };
 
 int dem_history_needed(const dem_t *dem) {
@@ -30,8 +30,8 @@ static void sort_entries(dem_entry *entry, ptrdiff_t n) {
   }
 }
 
-/* Join the entries of pairs (NULL: none) and of the carriers, particle by particle, sorted by key so
- * that nothing depends on the order of rows. */
+/* Join the entries of pairs (NULL: none) and of the carriers, particle by particle, sorted by key
+ * so that nothing depends on the order of rows. */
 static int join(const dem_t *dem, const int *pair_count, const dem_entry *pair, int *count,
                 dem_entry **entries) {
   const int n = dem->store->local;

@@ -25,6 +25,8 @@ static double longest_way(const dem_t *dem, double dt) {
       a[c] = f[c] * v[3] + g[c];
     most = fmax(most, way(v, a, f[3] * v[3], dt));
   }
+  if (dem->plan.clumps)
+    most = fmax(most, dem_clumps_way(dem, dt));
   for (int b = 0; b < dem->blocks; b++) {
     const dem_block *block = &dem->block[b];
     if (block->members == 0)

@@ -73,10 +73,16 @@ static int check_plane(const dem_t *dem, const dem_seed *seed, int64_t id) {
     return part_fail(PART_ERR_RANGE,
                      "particle %lld: velocity %g m/s along z; must be 0 with dimensions 2",
                      (long long)id, seed->v[2]);
+  if (seed->w[0] != 0.0 || seed->w[1] != 0.0)
+    return part_fail(PART_ERR_RANGE,
+                     "particle %lld: angular velocity (%g %g %g) rad/s; must be about z with "
+                     "dimensions 2",
+                     (long long)id, seed->w[0], seed->w[1], seed->w[2]);
   return PART_OK;
 }
 
-/* One particle by itself: a size, a place in the box, room in the domain. */
+/* One particle by itself: a size, a place in the box, room in the domain. Members of a clump may be
+ * over a periodic border. */
 static int check_seed(const dem_t *dem, const dem_seed *seed, int64_t id) {
   const part_box *box = &dem->box;
   if (!(seed->r > 0.0) || !isfinite(seed->r))
@@ -91,6 +97,8 @@ static int check_seed(const dem_t *dem, const dem_seed *seed, int64_t id) {
       return part_fail(PART_ERR_RANGE,
                        "particle %lld: diameter %g m is larger than the domain (%g m in %c)",
                        (long long)id, 2.0 * seed->r, box->hi[c] - box->lo[c], "xyz"[c]);
+    if (seed->kind == DEM_CLUMP && box->periodic[c])
+      continue;
     if (seed->x[c] < box->lo[c] || seed->x[c] > box->hi[c])
       return part_fail(PART_ERR_OUTSIDE,
                        "particle %lld at (%g %g %g) m is outside the domain (%g %g %g) to "
@@ -101,11 +109,33 @@ static int check_seed(const dem_t *dem, const dem_seed *seed, int64_t id) {
   return dem->shape.flat ? check_plane(dem, seed, id) : PART_OK;
 }
 
-/* New particles against each other and against those that are there. */
+/* One past the last seed of the body that begins at k. */
+static int64_t end_of_body(const dem_seed *seed, int64_t count, int64_t k) {
+  int64_t end = k + 1;
+  while (seed[k].kind == DEM_CLUMP && end < count && seed[end].kind == DEM_CLUMP &&
+         seed[end].block == seed[k].block)
+    end++;
+  return end;
+}
+
+static int check_one(const dem_t *dem, const dem_grid *grid, const dem_seed *seed, int64_t id) {
+  double overlap = 0.0;
+  const int64_t other = dem_grid_overlap(grid, seed->x, seed->r, dem->params.max_overlap, &overlap);
+  if (other < 0)
+    return PART_OK;
+  return part_fail(PART_ERR_OVERLAP,
+                   "particles %lld and %lld overlap by %g m at (%g %g %g) m; allowed is "
+                   "maxOverlap = %g of the smaller radius",
+                   (long long)other, (long long)id, overlap, seed->x[0], seed->x[1], seed->x[2],
+                   dem->params.max_overlap);
+}
+
+/* New particles against each other and against those that are there, but not against others of the
+ * same clump. */
 static int check_overlap(const dem_t *dem, const dem_seed *seed, int64_t count) {
   dem_grid *grid;
   int status = PART_OK;
-  double r_max = 0.0, overlap = 0.0;
+  double r_max = 0.0;
   for (int64_t k = 0; k < dem->seeds + count; k++) {
     const double r = k < dem->seeds ? dem->seed[k].r : seed[k - dem->seeds].r;
     r_max = r > r_max ? r : r_max;
@@ -113,24 +143,19 @@ static int check_overlap(const dem_t *dem, const dem_seed *seed, int64_t count) 
   PART_TRY(dem_grid_create(&dem->box, r_max, dem->seeds + count, &grid));
   for (int64_t k = 0; k < dem->seeds && status == PART_OK; k++)
     status = dem_grid_add(grid, dem->seed[k].x, dem->seed[k].r);
-  for (int64_t k = 0; k < count && status == PART_OK; k++) {
-    const double *x = seed[k].x, r = seed[k].r;
-    const int64_t other = dem_grid_overlap(grid, x, r, dem->params.max_overlap, &overlap);
-    if (other >= 0)
-      status = part_fail(PART_ERR_OVERLAP,
-                         "particles %lld and %lld overlap by %g m at (%g %g %g) m; allowed is "
-                         "maxOverlap = %g of the smaller radius",
-                         (long long)other, (long long)(dem->seeds + k), overlap, x[0], x[1], x[2],
-                         dem->params.max_overlap);
-    else
-      status = dem_grid_add(grid, x, r);
+  for (int64_t k = 0, end; k < count && status == PART_OK; k = end) {
+    end = end_of_body(seed, count, k);
+    for (int64_t m = k; m < end && status == PART_OK; m++)
+      status = check_one(dem, grid, &seed[m], dem->seeds + m);
+    for (int64_t m = k; m < end && status == PART_OK; m++)
+      status = dem_grid_add(grid, seed[m].x, seed[m].r);
   }
   dem_grid_destroy(grid);
   return status;
 }
 
 static int check_insert(const dem_t *dem, const dem_insert *insert, int block) {
-  const double *v = insert->velocity;
+  const double *v = insert->velocity, *w = insert->angular_velocity;
   if (dem->started || dem->restored)
     return part_fail(PART_ERR_STATE, "dem_insert_particles comes before dem_start, and not after "
                                      "dem_read");
@@ -139,20 +164,32 @@ static int check_insert(const dem_t *dem, const dem_insert *insert, int block) {
   if (insert->kind == DEM_BLOCK && (block < 0 || block >= 1000000))
     return part_fail(PART_ERR_RANGE, "%s: block number %d is not allowed; 0 to 999999",
                      dem_insert_table.name, block);
+  if ((insert->kind == DEM_FIXED || insert->kind == DEM_BLOCK) &&
+      (w[0] != 0.0 || w[1] != 0.0 || w[2] != 0.0))
+    return part_fail(PART_ERR_RANGE,
+                     "%s: entry angularVelocity: must be zero for fixed particles and blocks",
+                     dem_insert_table.name);
+  if (insert->kind == DEM_CLUMP && dem->shape.flat)
+    return part_fail(PART_ERR_RANGE, "%s: entry kind: clump is not allowed with dimensions 2",
+                     dem_insert_table.name);
+  if ((insert->kind == DEM_CLUMP) != (insert->shape[0] != '\0'))
+    return part_fail(PART_ERR_RANGE, "%s: entry shape: must be given for kind clump, and only then",
+                     dem_insert_table.name);
   if (insert->kind == DEM_FIXED && (v[0] != 0.0 || v[1] != 0.0 || v[2] != 0.0))
     return part_fail(PART_ERR_RANGE, "%s: entry velocity: must be zero for fixed particles",
                      dem_insert_table.name);
   return PART_OK;
 }
 
-static int generate(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count) {
+static int generate(const dem_t *dem, const dem_insert *insert, dem_seed **seed, double **turn,
+                    int64_t *count) {
   switch (insert->method) {
   case DEM_INSERT_LATTICE:
     return dem_insert_lattice(insert, seed, count);
   case DEM_INSERT_RANDOM:
     return dem_insert_random(dem, insert, seed, count);
   default:
-    return dem_insert_file(dem, insert, seed, count);
+    return dem_insert_file(dem, insert, seed, turn, count);
   }
 }
 
@@ -163,7 +200,8 @@ static int accept(dem_t *dem, const dem_insert *insert, int block, int material,
   for (int64_t k = 0; k < count; k++) {
     seed[k].material = material;
     seed[k].kind = insert->kind;
-    seed[k].block = insert->kind == DEM_BLOCK ? block : -1;
+    if (insert->kind != DEM_CLUMP) /* numbered by dem_clumps_expand */
+      seed[k].block = insert->kind == DEM_BLOCK ? block : -1;
     PART_TRY(check_seed(dem, &seed[k], dem->seeds + k));
   }
   PART_TRY(check_overlap(dem, seed, count));
@@ -171,6 +209,44 @@ static int accept(dem_t *dem, const dem_insert *insert, int block, int material,
       dem_grow((size_t)(dem->seeds + count), sizeof *dem->seed, &dem->seed_capacity, &dem->seed));
   memcpy(&dem->seed[dem->seeds], seed, (size_t)count * sizeof *seed);
   dem->seeds += count;
+  if (insert->kind == DEM_CLUMP)
+    dem->clumps.seeds = seed[count - 1].block + 1;
+  return PART_OK;
+}
+
+/* Places of clumps, with their bounding spheres, and from them the member spheres. */
+static int generate_clumps(dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count) {
+  const double pi = 3.14159265358979323846;
+  dem_insert bounds = *insert;
+  dem_seed *place = NULL;
+  double *turn = NULL;
+  int64_t n = 0;
+  int shape;
+  PART_TRY(dem_clumps_shape(dem, insert->shape, &shape));
+  const dem_clump_shape *s = &dem->clumps.shape[shape];
+  const double equal = cbrt(6.0 / pi * s->volume), per_diameter = 2.0 * s->bound / equal;
+  const int from_file = insert->method == DEM_INSERT_FILE;
+  bounds.diameter = (insert->diameter > 0.0 ? insert->diameter : equal) * per_diameter;
+  bounds.diameter_max = insert->diameter_max * per_diameter;
+  int status = generate(dem, &bounds, &place, &turn, &n);
+  for (int64_t k = 0; status == PART_OK && k < n; k++) {
+    if (from_file)
+      place[k].r = (place[k].r > 0.0 ? place[k].r : 0.5 * equal) * per_diameter;
+    memcpy(place[k].w, insert->angular_velocity, sizeof place[k].w);
+  }
+  if (status == PART_OK)
+    status = dem_clumps_expand(dem, insert, shape, n, place, turn, seed, count);
+  free(place);
+  free(turn);
+  return status;
+}
+
+static int generate_spheres(const dem_t *dem, const dem_insert *insert, dem_seed **seed,
+                            int64_t *count) {
+  double *turn = NULL;
+  PART_TRY(generate(dem, insert, seed, &turn, count));
+  for (int64_t k = 0; k < *count; k++)
+    memcpy((*seed)[k].w, insert->angular_velocity, sizeof(*seed)[k].w);
   return PART_OK;
 }
 
@@ -180,7 +256,8 @@ int dem_insert_particles(dem_t *dem, const dem_insert *insert, int block, int64_
   int material = 0;
   PART_TRY(check_insert(dem, insert, block));
   PART_TRY(dem_find_material(dem, insert->material, &material));
-  int status = generate(dem, insert, &seed, &count);
+  int status = insert->kind == DEM_CLUMP ? generate_clumps(dem, insert, &seed, &count)
+                                         : generate_spheres(dem, insert, &seed, &count);
   if (status == PART_OK)
     status = accept(dem, insert, block, material, seed, count);
   free(seed);

@@ -6,7 +6,7 @@
 enum { TRIES = 20000 }; /* per sphere, before the fraction is called out of reach */
 
 /* SplitMix64 (Steele, Lea and Flood 2014): next number of the sequence in [0, 1). */
-static double draw(uint64_t *state) {
+double dem_draw(uint64_t *state) {
   uint64_t z = *state += UINT64_C(0x9e3779b97f4a7c15);
   z = (z ^ (z >> 30)) * UINT64_C(0xbf58476d1ce4e5b9);
   z = (z ^ (z >> 27)) * UINT64_C(0x94d049bb133111eb);
@@ -61,7 +61,8 @@ static int place(const dem_insert *insert, int flat, const dem_grid *grid, uint6
   seed->x[2] = insert->origin[2];
   for (int t = 0; t < TRIES; t++) {
     for (int c = 0; c < (flat ? 2 : 3); c++)
-      seed->x[c] = insert->origin[c] + seed->r + draw(state) * (insert->extent[c] - 2.0 * seed->r);
+      seed->x[c] =
+          insert->origin[c] + seed->r + dem_draw(state) * (insert->extent[c] - 2.0 * seed->r);
     if (dem_grid_overlap(grid, seed->x, seed->r, 0.0, &overlap) < 0)
       return PART_OK;
   }
@@ -76,7 +77,7 @@ static int fill(const dem_t *dem, const dem_insert *insert, double d_max, dem_gr
   for (int64_t k = 0; k < dem->seeds; k++)
     PART_TRY(dem_grid_add(grid, dem->seed[k].x, dem->seed[k].r));
   for (int64_t k = 0; k < insert->number; k++) {
-    seed[k].r = 0.5 * (insert->diameter + draw(&state) * (d_max - insert->diameter));
+    seed[k].r = 0.5 * (insert->diameter + dem_draw(&state) * (d_max - insert->diameter));
     memcpy(seed[k].v, insert->velocity, sizeof seed[k].v);
     if (place(insert, flat, grid, &state, &seed[k]) != PART_OK)
       return part_fail(PART_ERR_RANGE,

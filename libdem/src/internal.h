@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "clumps.h"
 #include "dem/dem.h"
 #include "fast.h"
 #include "law.h"
@@ -40,7 +41,7 @@ typedef struct dem_block {
 
 /* One inserted particle, known to every rank until dem_start. */
 typedef struct dem_seed {
-  double x[3], r, v[3];
+  double x[3], r, v[3], w[3];
   int material, kind, block;
 } dem_seed;
 
@@ -51,7 +52,8 @@ typedef struct dem_plan {
   int walls;      /* walls and something that moves */
   int horizon;    /* one step when no contact can happen before its end */
   int blocks;     /* blocks exist */
-  int all_free;   /* no fixed and no block particles */
+  int clumps;     /* clumps exist */
+  int all_free;   /* no fixed particles, blocks or clumps */
   int movable;    /* something moves */
 } dem_plan;
 
@@ -71,6 +73,7 @@ enum dem_stage {
   DEM_STAGE_NEIGHBOURS,
   DEM_STAGE_GHOSTS,
   DEM_STAGE_BLOCKS,
+  DEM_STAGE_CLUMPS,
   DEM_STAGE_COUNT
 };
 
@@ -100,6 +103,7 @@ struct dem_t {
   int blocks; /* largest number + 1 */
   dem_block *block;
   double *block_gravity; /* [blocks][materials] kg, mass of each material */
+  dem_clumps clumps;
 
   int started, restored;
   int restored_elsewhere; /* read on another number of ranks than wrote */
@@ -209,11 +213,11 @@ typedef struct dem_entry {
 /* Something that puts entries into the payload. The same file takes them out again after the
  * particles are in their new order (make_lists in rebuild.c). */
 typedef struct dem_carrier {
-  int (*active)(const dem_t *dem);              /* the same on every rank */
-  void (*count)(const dem_t *dem, int *count);  /* add own entries of each own particle */
+  int (*active)(const dem_t *dem);             /* the same on every rank */
+  void (*count)(const dem_t *dem, int *count); /* add own entries of each own particle */
   dem_entry *(*put)(const dem_t *dem, int i, dem_entry *to); /* those of particle i; the end */
 } dem_carrier;
-extern const dem_carrier dem_walls_carrier;
+extern const dem_carrier dem_walls_carrier, dem_clumps_carrier;
 
 int dem_history_needed(const dem_t *dem); /* the same on every rank */
 int dem_history_gather(const dem_t *dem, int **count, void **payload);
@@ -271,7 +275,16 @@ int dem_horizon(dem_t *dem, double dt, int *free_flight);
  */
 int dem_insert_lattice(const dem_insert *insert, dem_seed **seed, int64_t *count);
 int dem_insert_random(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count);
-int dem_insert_file(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count);
+/* *turn: [count][4] attitudes of clumps, zero where the line has none. */
+int dem_insert_file(const dem_t *dem, const dem_insert *insert, dem_seed **seed, double **turn,
+                    int64_t *count);
+/* Next number of a sequence in [0, 1). */
+double dem_draw(uint64_t *state);
+/* Collective. Content of a file on every rank, ended by a 0; the caller frees. */
+int dem_text_share(const dem_t *dem, const char *path, char **text);
+/* Numbers of one line, the first `most` into value; # begins a comment. Returns how many there are,
+ * -1 when something (*bad) is not a finite number. */
+int dem_text_numbers(char *line, int most, double *value, const char **bad);
 
 /* Grid of spheres for overlap tests, periodic as the box. */
 typedef struct dem_grid dem_grid;

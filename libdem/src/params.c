@@ -30,7 +30,8 @@ static const char *const dem_law_names[] = {
 static const char *const dem_insert_methods[] = {"lattice", "random", "file", NULL};
 static const char *const dem_wall_types[] = {"plane", "cylinder", "triangles", "stl", NULL};
 static const char *const dem_wall_sides[] = {"inside", "outside", NULL};
-static const char *const dem_kinds[] = {"free", "fixed", "block", NULL};
+static const char *const dem_kinds[] = {"free", "fixed", "block", "clump", NULL};
+static const char *const dem_orientations[] = {"random", "asInFile", NULL};
 
 #define DEM_DIMS(kg, m, s)                                                                         \
   { kg, m, s, 0, 0, 0, 0 }

@@ -7,12 +7,12 @@
 
 /* What one material is part of, over all ranks. */
 typedef struct presence {
-  double free, fixed, blocks; /* numbers of bodies; fixed particles are one body */
+  double free, fixed, blocks; /* numbers of bodies; fixed particles are one body; clumps are free */
   double light[2];            /* 1/kg, the two largest inverse masses of movable spheres */
 } presence;
 
 typedef struct scene {
-  double free, fixed, blocks, r_max, r_sum, r_min;
+  double free, fixed, blocks, clumps, r_max, r_sum, r_min;
   presence *of; /* [materials] */
 } scene;
 
@@ -25,9 +25,22 @@ static void take_light(presence *p, double inverse_mass) {
   }
 }
 
+/* Clumps count once, with their first member, whose payload has the lightest contact of all. */
+static void survey_clump(presence *p, scene *s, int n, const dem_entry *entry) {
+  const double light = dem_clump_light(n, entry);
+  if (!(light > 0.0))
+    return;
+  take_light(p, light);
+  p->free++;
+  s->free++;
+  s->clumps++;
+}
+
 /* Own particles; blocks are known everywhere and are counted by join_ranks. */
 static void survey_own(const dem_t *dem, scene *s) {
+  const dem_entry *entry = dem->kept;
   for (int i = 0; i < dem->store->local; i++) {
+    const int entries = dem->kept_count != NULL ? dem->kept_count[i] : 0;
     const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3];
     presence *p = &s->of[dem_material_of(dem, i)];
     s->r_sum += r;
@@ -35,23 +48,33 @@ static void survey_own(const dem_t *dem, scene *s) {
     s->r_min = fmin(s->r_min, r);
     if (dem_kind_of(dem, i) == DEM_FIXED) {
       p->fixed = s->fixed = 1.0;
+    } else if (dem_kind_of(dem, i) == DEM_CLUMP) {
+      survey_clump(p, s, entries, entry);
     } else {
       /* Any number of a block's members may touch at once, so each stands for its own mass. */
       take_light(p, 1.0 / dem_own_mass(dem, i));
       p->free += dem_kind_of(dem, i) == DEM_FREE;
       s->free += dem_kind_of(dem, i) == DEM_FREE;
     }
+    if (entry != NULL)
+      entry += entries;
   }
 }
 
 static int join_ranks(const dem_t *dem, scene *s, double *all) {
   const int n = dem->materials;
-  double sums[2] = {s->free, s->r_sum}, most[3] = {s->fixed, s->r_max, -s->r_min};
+  double sums[3] = {s->free, s->r_sum, s->clumps}, most[3] = {s->fixed, s->r_max, -s->r_min};
   MPI_Allgather(s->of, (int)sizeof(presence) * n, MPI_BYTE, all, (int)sizeof(presence) * n,
                 MPI_BYTE, dem->comm);
-  MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, dem->comm);
+  MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, dem->comm);
   MPI_Allreduce(MPI_IN_PLACE, most, 3, MPI_DOUBLE, MPI_MAX, dem->comm);
-  *s = (scene){sums[0], most[0], 0.0, most[1], sums[1], -most[2], s->of};
+  *s = (scene){.free = sums[0],
+               .fixed = most[0],
+               .clumps = sums[2],
+               .r_max = most[1],
+               .r_sum = sums[1],
+               .r_min = -most[2],
+               .of = s->of};
   memset(s->of, 0, (size_t)n * sizeof *s->of);
   for (int k = 0; k < n * dem->ranks; k++) {
     presence *p = &s->of[k % n], q;
@@ -166,7 +189,8 @@ static int work_out(dem_t *dem, const scene *s) {
   plan->walls = dem->walls.count > 0 && (movable || all);
   plan->horizon = !all;
   plan->blocks = s->blocks > 0.0;
-  plan->all_free = s->fixed + s->blocks == 0.0;
+  plan->clumps = s->clumps > 0.0;
+  plan->all_free = s->fixed + s->blocks + s->clumps == 0.0;
   plan->movable = movable;
   return PART_OK;
 }

@@ -10,14 +10,14 @@ enum { skin_trial = 256 };
 
 /* New parts when the load has drifted. Depends on the positions alone, so that a restarted run
  * decides alike. */
-static int balance_parts(dem_t *dem, int balance) {
+static int balance_parts(dem_t *dem, int balance, const double *home) {
   double ratio;
   if (dem->ranks == 1)
     return PART_OK;
   PART_TRY(part_domain_imbalance(dem->domain, dem->store, &ratio));
   const double mean = (double)dem->total / dem->ranks;
   if (balance || (ratio > dem->params.balance_ratio && (ratio - 1.0) * mean > worth_balancing))
-    PART_TRY(part_domain_balance(dem->domain, dem->store, NULL));
+    PART_TRY(part_domain_balance_home(dem->domain, dem->store, home, NULL));
   return PART_OK;
 }
 
@@ -65,6 +65,8 @@ static int make_lists(dem_t *dem, const int *count, const void *payload) {
     PART_TRY(make_pairs(dem, count, payload));
   if (dem->plan.walls)
     PART_TRY(dem_walls_list(dem, count, payload));
+  if (dem->plan.clumps)
+    PART_TRY(dem_clumps_list(dem, count, payload));
   return note_state(dem);
 }
 
@@ -88,25 +90,39 @@ static void adapt_skin(dem_t *dem) {
   dem->substeps_built = dem->substeps;
 }
 
+/* Particles to their ranks and into order; *count NULL: without payload. Members of a clump go with
+ * its centre of mass. */
+static int rearrange(dem_t *dem, int balance, int **count, void **payload) {
+  double *home = NULL;
+  int status;
+  if (dem->plan.clumps)
+    PART_TRY(part_agree(dem->comm, dem_clumps_homes(dem, *count, *payload, &home)));
+  status = balance_parts(dem, balance, home);
+  if (status == PART_OK)
+    status = *count == NULL ? part_domain_migrate(dem->domain, dem->store, 0, NULL, NULL)
+                            : part_domain_migrate_home(dem->domain, dem->store, home,
+                                                       sizeof(dem_entry), count, payload);
+  free(home);
+  PART_TRY(status);
+  status = *count == NULL
+               ? part_sort(dem->store, &dem->box, DEM_FIELD_RADIUS, &dem->levels, dem->skin)
+               : dem_history_sort(dem, *count, *payload);
+  return part_agree(dem->comm, status);
+}
+
 static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   int status = PART_OK;
   adapt_skin(dem);
   if (*count == NULL && dem_history_needed(dem))
     status = dem_history_gather(dem, count, payload);
   PART_TRY(part_agree(dem->comm, status));
-  PART_TRY(balance_parts(dem, balance));
-  if (*count == NULL) {
-    PART_TRY(part_domain_migrate(dem->domain, dem->store, 0, NULL, NULL));
-    status = part_sort(dem->store, &dem->box, DEM_FIELD_RADIUS, &dem->levels, dem->skin);
-  } else {
-    PART_TRY(part_domain_migrate(dem->domain, dem->store, sizeof(dem_entry), count, payload));
-    status = dem_history_sort(dem, *count, *payload);
-  }
-  PART_TRY(part_agree(dem->comm, status));
+  PART_TRY(rearrange(dem, balance, count, payload));
   if (dem->plan.pairs)
     PART_TRY(part_domain_sphere_ghosts(dem->domain, dem->store, DEM_FIELD_RADIUS, &dem->levels,
                                        dem->skin));
   PART_TRY(part_agree(dem->comm, make_lists(dem, *count, *payload)));
+  if (dem->plan.clumps)
+    PART_TRY(dem_clumps_turns(dem));
   return dem->plan.pairs ? count_listed(dem) : PART_OK;
 }
 
@@ -172,10 +188,12 @@ int dem_refresh(dem_t *dem, double way) {
     return dem_rebuild(dem, 0, NULL, NULL);
   if (dem->plan.walls && dem->walls.travel > dem->walls.margin)
     PART_TRY(part_agree(dem->comm, relist_walls(dem)));
-  if (!dem->plan.pairs)
-    return PART_OK;
   part_timers_start(dem->timers, dem->stage[DEM_STAGE_GHOSTS]);
-  const int status = part_domain_update_ghosts(dem->domain, dem->store);
+  int status = PART_OK;
+  if (dem->plan.pairs)
+    status = part_domain_update_ghosts(dem->domain, dem->store);
+  if (dem->plan.clumps && status == PART_OK)
+    status = dem_clumps_turns(dem);
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_GHOSTS]);
   return status;
 }

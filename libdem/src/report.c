@@ -18,6 +18,8 @@ void dem_own_momentum(const dem_t *dem, double momentum[3], double *size) {
     if (dem_kind_of(dem, i) == DEM_FREE)
       add_momentum(1.0 / v[3], v, momentum, size);
   }
+  for (int b = 0; b < dem->clumps.count; b++)
+    add_momentum(dem->clumps.clump[b].mass, dem->clumps.clump[b].v, momentum, size);
   for (int b = 0; b < dem->blocks && dem->rank == 0; b++)
     if (dem->block[b].members > 0)
       add_momentum(dem->block[b].mass, dem->block[b].v, momentum, size);
@@ -36,6 +38,8 @@ static double own_energy(const dem_t *dem, double *max_speed) {
     else if (dem_kind_of(dem, i) == DEM_BLOCK)
       energy += 0.5 * dem_own_mass(dem, i) * v2;
   }
+  for (int b = 0; b < dem->clumps.count; b++)
+    energy += dem_clump_energy(&dem->clumps.clump[b]);
   return energy;
 }
 
@@ -106,13 +110,15 @@ int dem_get_report(dem_t *dem, dem_report *report) {
     return part_fail(PART_ERR_STATE, "dem_get_report comes after dem_start");
   memset(report, 0, sizeof *report);
   energy = own_energy(dem, &most[1]);
-  int64_t counts[2] = {pair_contacts(dem, &most[0]), wall_contacts(dem, &most[0])};
-  MPI_Allreduce(MPI_IN_PLACE, counts, 2, MPI_INT64_T, MPI_SUM, dem->comm);
+  int64_t counts[3] = {pair_contacts(dem, &most[0]), wall_contacts(dem, &most[0]),
+                       dem->clumps.count};
+  MPI_Allreduce(MPI_IN_PLACE, counts, 3, MPI_INT64_T, MPI_SUM, dem->comm);
   MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, dem->comm);
   PART_TRY(dem_rank_sum(dem, 1, &energy));
   report->particles = dem->total;
   report->contacts = counts[0];
   report->wall_contacts = counts[1];
+  report->clumps = counts[2];
   report->max_overlap = most[0];
   report->max_speed = most[1];
   report->kinetic_energy = energy;

@@ -17,6 +17,7 @@ static int fill_store(dem_t *dem) {
     int64_t *meta = dem_meta(dem) + DEM_META * (size_t)at;
     memcpy(x, seed->x, sizeof seed->x);
     memcpy(v, seed->v, sizeof seed->v);
+    memcpy(v + 4, seed->w, sizeof seed->w);
     x[3] = seed->r;
     v[7] = seed->material;
     meta[0] = k;
@@ -31,7 +32,7 @@ static int fill_store(dem_t *dem) {
 
 static int make_blocks(dem_t *dem) {
   for (int64_t k = 0; k < dem->seeds; k++)
-    if (dem->seed[k].block >= dem->blocks)
+    if (dem->seed[k].kind == DEM_BLOCK && dem->seed[k].block >= dem->blocks)
       dem->blocks = dem->seed[k].block + 1;
   PART_TRY(dem_allocate((size_t)dem->blocks, sizeof *dem->block, &dem->block));
   PART_TRY(dem_allocate((size_t)dem->blocks * (size_t)dem->materials, sizeof *dem->block_gravity,
@@ -77,6 +78,8 @@ static int populate(dem_t *dem) {
   PART_TRY(make_blocks(dem));
   PART_TRY(fill_store(dem));
   set_members(dem);
+  PART_TRY(dem_clumps_populate(dem, dem->seeds * dem->rank / dem->ranks));
+  dem_clumps_free_seeds(&dem->clumps);
   free(dem->seed);
   dem->seed = NULL;
   dem->seed_capacity = 0;

@@ -13,6 +13,7 @@
  * the same direction and is not any more, so rolling over an edge changes nothing. */
 #include "internal.h"
 #include "laws.h"
+#include "rotation.h"
 
 static const double covered_height = 1e-6; /* of the radius: single precision of STL files */
 static const double same_direction = 0.9;  /* cosine */
@@ -127,6 +128,15 @@ static void lever_of(const dem_t *dem, const dem_wall *wall, int shift, const do
     lever[c] = x[c] - arm * n[c] - s[c] * (hi[c] - lo[c]) - wall->pose.from[c];
 }
 
+/* The own mass of a member of a block, see blocks.c; for clumps see R.4. */
+static double inverse_mass(const dem_t *dem, int i, const double n[3]) {
+  const int kind = dem_kind_of(dem, i);
+  if (kind == DEM_BLOCK)
+    return 1.0 / dem_own_mass(dem, i);
+  return dem_vm(dem)[DEM_VM * (size_t)i + 3] +
+         (kind == DEM_CLUMP ? dem_form(dem->clumps.turn + 6 * (size_t)i, n) : 0.0);
+}
+
 static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt) {
   dem_near *near = &dem->walls.near[place->entry];
   const dem_element *element = &dem->walls.element[near->element];
@@ -137,8 +147,7 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
   double *ft = dem_ft(dem) + DEM_FT * (size_t)i, force[3], lever[3];
   dem_touch touch;
   memcpy(touch.n, n, sizeof touch.n);
-  /* Its own mass in a block, too: see blocks.c. */
-  touch.inverse_root = sqrt(dem_kind_of(dem, i) == DEM_FREE ? vm[3] : 1.0 / dem_own_mass(dem, i));
+  touch.inverse_root = sqrt(inverse_mass(dem, i, n));
   touch.root_mass = 1.0 / touch.inverse_root;
   touch.touches = 1;
   /* See fast.h for the units of spin and torque. */

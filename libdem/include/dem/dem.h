@@ -42,7 +42,8 @@ extern const part_layout dem_layout;
 typedef enum {
   DEM_FREE = 0,  /* by its own forces */
   DEM_FIXED = 1, /* not at all: its support takes every force */
-  DEM_BLOCK = 2  /* with its block: one translation, no rotation (field BLOCK numbers the block) */
+  DEM_BLOCK = 2, /* with its block: one translation, no rotation (field BLOCK numbers the block) */
+  DEM_CLUMP = 3  /* with its clump: a rigid body that turns (field BLOCK numbers the clump) */
 } dem_kind;
 
 /* ---- parameters: rows in dem/<name>_params.def ---------------------------------------------- */
@@ -79,11 +80,13 @@ extern const part_param_table dem_contact_table;
 
 /* Insertion of particles. */
 typedef enum { DEM_INSERT_LATTICE, DEM_INSERT_RANDOM, DEM_INSERT_FILE } dem_insert_method;
+typedef enum { DEM_ORIENTATION_RANDOM, DEM_ORIENTATION_AS_IN_FILE } dem_orientation;
 typedef struct dem_insert {
   int method; /* lattice | random | file */
-  int kind;   /* free | fixed | block */
+  int kind;   /* free | fixed | block | clump */
   char material[PART_PARAM_WORD_LENGTH];
-  double diameter;         /* m; lattice and random */
+  double diameter;         /* m; lattice and random; clump: of the sphere of equal volume, 0: as in
+                              the shape file */
   double diameter_max;     /* m; random: uniform between diameter and this; default: diameter */
   double origin[3];        /* m; lattice: centre of the first particle; random: lower corner */
   double spacing[3];       /* m; lattice */
@@ -94,8 +97,12 @@ typedef struct dem_insert {
   int64_t number;          /* random */
   int64_t seed;            /* random */
   double velocity[3];      /* m/s */
-  char file[PART_PARAM_WORD_LENGTH]; /* file: text, one particle a line: x y z d [vx vy vz], #
-                                        comments */
+  double angular_velocity[3];         /* rad/s; free and clump */
+  char shape[PART_PARAM_WORD_LENGTH]; /* clump: path of a shape file, see dem_get_clump_shape */
+  int orientation;                    /* clump: random | asInFile; random goes by seed */
+  char file[PART_PARAM_WORD_LENGTH];  /* file: text, one particle a line: x y z d [vx vy vz], #
+                                         comments; clump: centre of mass, d as diameter, and may end
+                                         with qw qx qy qz, axes of the shape file to space */
 } dem_insert;
 extern const part_param_table dem_insert_table;
 
@@ -158,17 +165,34 @@ int dem_add_triangles(dem_t *dem, const char *name, int material, int count,
                       const double *vertices);
 
 /* Collective. Insert; ids go on from the largest so far. ERR_OVERLAP: the text names two ids (or a
- * wall) and the overlap; ERR_OUTSIDE: outside the box. block: number for kind block. */
+ * wall) and the overlap; ERR_OUTSIDE: outside the box. block: number for kind block. Clumps are
+ * numbered 0, 1, ... as they come; *inserted counts their spheres. */
 int dem_insert_particles(dem_t *dem, const dem_insert *insert, int block, int64_t *inserted);
+
+/* A shape of clumps: a text file with one sphere a line, x y z diameter (m), # comments. Mass
+ * properties are those of the union of the spheres (to 1e-10 of volume and size), or given by lines
+ * `volume V`, `centre x y z`, `inertia xx yy zz xy xz yz` (m3, m, m5), all three. */
+typedef struct dem_clump_shape_report {
+  int spheres;
+  double volume;       /* m3 */
+  double centre[3];    /* m, centre of mass, axes of the file */
+  double inertia[6];   /* m5, tensor xx yy zz xy xz yz over density about the centre, same axes */
+  double principal[3]; /* m5, principal moments over density; the third differs most */
+  double bound;        /* m, reach of the spheres from the centre of mass */
+} dem_clump_shape_report;
+/* Collective. ERR_IO, ERR_FORMAT, ERR_RANGE (empty, sphere of no size, spheres that do not hang
+ * together without given mass properties, moments that no body has). */
+int dem_get_clump_shape(dem_t *dem, const char *path, dem_clump_shape_report *report);
 
 /* Collective. Once after all of the above: distributes, sorts, lists, works out the plan. */
 int dem_start(dem_t *dem);
 
 /* ---- running -------------------------------------------------------------------------------- */
-/* Contact: two particles touch unless both are fixed or belong to one block. Contact force, torque
- * and history are described in doc/equations.md and libdem/src/laws. Between rebuilds of the
- * neighbour lists positions may lie outside a periodic box by up to half the skin (one mean radius
- * when nothing can touch): part_box_wrap brings a copy inside.
+/* Contact: two particles touch unless both are fixed or belong to one block or clump. Contact
+ * force, torque and history are described in doc/equations.md and libdem/src/laws. Between rebuilds
+ * of the neighbour lists positions may lie outside a periodic box by up to half the skin (one mean
+ * radius when nothing can touch), spheres of a clump by its size besides: part_box_wrap brings a
+ * copy inside.
  *
  * Collective. Advance by dt (s) in equal substeps no longer than the stable one. The order of own
  * particles may change (migration, sorting): ask dem_store and its records again. *substeps may be
@@ -183,7 +207,8 @@ part_store *dem_store(dem_t *dem);
 long long dem_generation(const dem_t *dem);
 
 /* Add impulse[3*i] (N s) to own particle i at once: dv = impulse/m (blocks: sum over all members,
- * collective; fixed: to the support). Counts as fluid impulse in the budget. Collective. */
+ * collective; clumps: at the member's centre, so the clump turns; fixed: to the support). Counts as
+ * fluid impulse in the budget. Collective. */
 int dem_kick(dem_t *dem, const double *impulse);
 
 double dem_time(const dem_t *dem); /* s, since the start of the simulation */
@@ -191,11 +216,12 @@ void dem_set_time(dem_t *dem, double time);
 double dem_stable_step(const dem_t *dem); /* s; infinite when nothing can touch */
 
 typedef struct dem_report {
-  int64_t particles, contacts, wall_contacts;
+  int64_t particles, contacts, wall_contacts; /* particles: spheres, those of clumps one by one */
+  int64_t clumps;
   double max_overlap;    /* of the smaller radius */
   double max_speed;      /* m/s */
   double kinetic_energy; /* J */
-  double momentum[3];    /* kg m/s, of free and block particles */
+  double momentum[3];    /* kg m/s, of free particles, blocks and clumps */
   /* impulses since the start (N s); momentum - initial momentum = gravity + fluid + walls +
    * contact with fixed particles, to round-off */
   double gravity_impulse[3], fluid_impulse[3], wall_impulse[3], support_impulse[3];
@@ -228,6 +254,19 @@ int dem_get_wall_report(dem_t *dem, int wall, dem_wall_report *report);
 
 /* Position (m, of the mean of the members, unwrapped) and velocity (m/s) of a block. Collective. */
 int dem_block_state(dem_t *dem, int block, double position[3], double velocity[3]);
+
+/* State of a clump, on every rank; ERR_RANGE: there is none of this number. Collective. */
+typedef struct dem_clump_report {
+  int64_t members;
+  double mass;                /* kg */
+  double position[3];         /* m, centre of mass, in the box when the lists were built */
+  double velocity[3];         /* m/s */
+  double attitude[4];         /* unit quaternion w x y z, principal to space axes */
+  double angular_velocity[3]; /* rad/s, space axes */
+  double angular_momentum[3]; /* kg m2/s, about the centre of mass, space axes */
+  double inertia[3];          /* kg m2, principal */
+} dem_clump_report;
+int dem_clump_state(dem_t *dem, int64_t clump, dem_clump_report *report);
 
 /* The scene plan as text lines "what | why | saves". Local. */
 int dem_plan_text(const dem_t *dem, size_t size, char *text);
