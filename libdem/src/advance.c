@@ -160,7 +160,8 @@ static int run(dem_t *dem, double dt, int n, int fluid) {
   if (dem->plan.blocks)
     PART_TRY(dem_blocks_end(dem, dt));
   end_fluid(dem, dt);
-  return part_agree(dem->comm, check_state(dem));
+  PART_TRY(part_agree(dem->comm, check_state(dem)));
+  return dem->plan.bonds ? dem_bonds_settle(dem) : PART_OK;
 }
 
 int dem_advance(dem_t *dem, double dt, int *substeps) {

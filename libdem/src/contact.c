@@ -171,7 +171,7 @@ void dem_pair_forces(dem_t *dem, double dt) {
 int dem_pair_list_filter(dem_t *dem) {
   part_pairs *pairs = dem->pairs;
   int used = 0, begin = 0;
-  if (dem->plan.all_free)
+  if (dem->plan.all_free && !dem->plan.bonds)
     return PART_OK;
   for (int i = 0; i < pairs->rows; i++) {
     const int kind = dem_kind_of(dem, i), block = dem_block_of(dem, i), end = pairs->start[i + 1];
@@ -180,7 +180,7 @@ int dem_pair_list_filter(dem_t *dem) {
       const int same = kind == dem_kind_of(dem, j) &&
                        (kind == DEM_FIXED || ((kind == DEM_BLOCK || kind == DEM_CLUMP) &&
                                               block == dem_block_of(dem, j)));
-      if (!same)
+      if (!same && !(dem->plan.bonds && dem_bonds_join(dem, i, j)))
         pairs->partner[used++] = j;
     }
     begin = end;

@@ -3,7 +3,7 @@
 #include "internal.h"
 
 static const char *const stage_names[DEM_STAGE_COUNT] = {
-    "integrate", "contact", "walls", "neighbours", "ghosts", "blocks", "clumps"};
+    "integrate", "contact", "walls", "neighbours", "ghosts", "blocks", "clumps", "bonds"};
 
 static int create_parts(dem_t *dem, MPI_Comm comm, const part_box *box) {
   if (MPI_Comm_dup(comm, &dem->comm) != MPI_SUCCESS)
@@ -26,8 +26,8 @@ static int check_shape(const part_box *box, const dem_params *params) {
   if (params->dimensions == 3)
     return PART_OK;
   if (!(params->depth > 0.0))
-    return part_fail(PART_ERR_RANGE,
-                     "%s: entry depth must be given and positive with dimensions 2", table);
+    return part_fail(PART_ERR_RANGE, "%s: entry depth must be given and positive with dimensions 2",
+                     table);
   if (params->gravity[2] != 0.0)
     return part_fail(PART_ERR_RANGE,
                      "%s: entry gravity: its z component is %g m/s^2; must be 0 with dimensions 2",
@@ -84,6 +84,7 @@ void dem_destroy(dem_t *dem) {
     part_timers_destroy(dem->timers);
   dem_walls_free(&dem->walls);
   dem_fast_free(&dem->fast);
+  dem_bonds_free(&dem->bonds);
   free(dem->material);
   free(dem->given);
   free(dem->coefs);

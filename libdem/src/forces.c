@@ -36,6 +36,11 @@ void dem_wall_stage(dem_t *dem, double dt) {
     dem_wall_forces(dem, dt);
     part_timers_stop(dem->timers, dem->stage[DEM_STAGE_WALLS]);
   }
+  if (dem->plan.bonds) {
+    part_timers_start(dem->timers, dem->stage[DEM_STAGE_BONDS]);
+    dem_bond_forces(dem, dt);
+    part_timers_stop(dem->timers, dem->stage[DEM_STAGE_BONDS]);
+  }
   if (dem->shape.flat)
     flatten(dem);
 }

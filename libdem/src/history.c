@@ -3,7 +3,8 @@
  * pairs are those of part_pairs_gather; the others come from the carriers. */
 #include "internal.h"
 
-static const dem_carrier *const carriers[] = {&dem_walls_carrier, &dem_clumps_carrier};
+static const dem_carrier *const carriers[] = {&dem_walls_carrier, &dem_bonds_carrier,
+                                              &dem_clumps_carrier};
 enum { CARRIERS = sizeof carriers / sizeof carriers[0] };
 
 int dem_history_needed(const dem_t *dem) {
@@ -104,7 +105,8 @@ int dem_history_sort(dem_t *dem, int *count, void *payload) {
   if (status == PART_OK)
     status = dem_allocate(first[n], sizeof *copy, &copy);
   if (status == PART_OK)
-    status = part_sort_order(dem->store, &dem->box, DEM_FIELD_RADIUS, &dem->levels, dem->skin, order);
+    status =
+        part_sort_order(dem->store, &dem->box, DEM_FIELD_RADIUS, &dem->levels, dem->skin, order);
   if (status == PART_OK)
     status = part_store_permute(dem->store, order);
   if (status == PART_OK) {

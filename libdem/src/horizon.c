@@ -82,7 +82,7 @@ int dem_horizon(dem_t *dem, double dt, int *free_flight) {
   double worst[3] = {longest_way(dem, dt), HUGE_VAL, HUGE_VAL};
   *free_flight = 0;
   /* The ramp of gravity is the one force that changes with time: no long steps under it. */
-  if (!dem->plan.horizon || dem->time < dem->params.ramp_time)
+  if (!dem->plan.horizon || dem->bonds.alive > 0 || dem->time < dem->params.ramp_time)
     return PART_OK;
   if (dem->plan.pairs)
     worst[1] = pair_gap(dem);

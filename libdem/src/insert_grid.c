@@ -112,6 +112,45 @@ static int64_t search_cell(const dem_grid *grid, size_t cell, const double x[3],
   return -1;
 }
 
+static int near_in_cell(const dem_grid *grid, size_t cell, const double x[3], double r,
+                        double fraction, size_t *capacity, int64_t **found, size_t *count) {
+  for (int64_t k = grid->head[cell]; k >= 0; k = grid->next[k]) {
+    const double *s = &grid->sphere[4 * k];
+    double d[3];
+    part_box_difference(&grid->box, x, s, d);
+    const double reach = r + s[3] + fraction * fmin(r, s[3]);
+    if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] > reach * reach)
+      continue;
+    PART_TRY(dem_grow(*count + 1, sizeof **found, capacity, found));
+    (*found)[(*count)++] = k;
+  }
+  return PART_OK;
+}
+
+static int by_number(const void *a, const void *b) {
+  const int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+  return (x > y) - (x < y);
+}
+
+int dem_grid_near(const dem_grid *grid, const double x[3], double r, double fraction,
+                  size_t *capacity, int64_t **found, size_t *number) {
+  int cell[3], near[3][3], count[3];
+  *number = 0;
+  cell_of(grid, x, cell);
+  for (int c = 0; c < 3; c++)
+    count[c] = neighbours(grid, c, cell[c], near[c]);
+  for (int k = 0; k < count[2]; k++)
+    for (int j = 0; j < count[1]; j++)
+      for (int i = 0; i < count[0]; i++) {
+        const int at[3] = {near[0][i], near[1][j], near[2][k]};
+        PART_TRY(
+            near_in_cell(grid, cell_number(grid, at), x, r, fraction, capacity, found, number));
+      }
+  if (*number > 1)
+    qsort(*found, *number, sizeof **found, by_number);
+  return PART_OK;
+}
+
 int64_t dem_grid_overlap(const dem_grid *grid, const double x[3], double r, double allowed,
                          double *overlap) {
   int cell[3], near[3][3], count[3];

@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "bonds.h"
 #include "clumps.h"
 #include "dem/dem.h"
 #include "fast.h"
@@ -52,6 +53,7 @@ typedef struct dem_plan {
   int walls;      /* walls and something that moves */
   int horizon;    /* one step when no contact can happen before its end */
   int blocks;     /* blocks exist */
+  int bonds;      /* there are rules of bonds */
   int clumps;     /* clumps exist */
   int all_free;   /* no fixed particles, blocks or clumps */
   int movable;    /* something moves */
@@ -74,6 +76,7 @@ enum dem_stage {
   DEM_STAGE_GHOSTS,
   DEM_STAGE_BLOCKS,
   DEM_STAGE_CLUMPS,
+  DEM_STAGE_BONDS,
   DEM_STAGE_COUNT
 };
 
@@ -95,6 +98,7 @@ struct dem_t {
   dem_given_contact *given;
   dem_coefs *coefs; /* [materials][materials] */
   dem_walls walls;
+  dem_bonds bonds;
 
   int64_t seeds; /* inserted so far */
   size_t seed_capacity;
@@ -217,7 +221,7 @@ typedef struct dem_carrier {
   void (*count)(const dem_t *dem, int *count); /* add own entries of each own particle */
   dem_entry *(*put)(const dem_t *dem, int i, dem_entry *to); /* those of particle i; the end */
 } dem_carrier;
-extern const dem_carrier dem_walls_carrier, dem_clumps_carrier;
+extern const dem_carrier dem_walls_carrier, dem_bonds_carrier, dem_clumps_carrier;
 
 int dem_history_needed(const dem_t *dem); /* the same on every rank */
 int dem_history_gather(const dem_t *dem, int **count, void **payload);
@@ -228,7 +232,7 @@ int dem_history_sort(dem_t *dem, int *count, void *payload);
  */
 /* Contact forces and torques of pairs into FORCE, TORQUE of own particles, which start at zero. */
 void dem_pair_forces(dem_t *dem, double dt);
-int dem_pair_list_filter(dem_t *dem); /* drop pairs that share a body */
+int dem_pair_list_filter(dem_t *dem); /* drop pairs that share a body or a bond */
 /* The law that all given contacts have in common, -1: they differ, or there is none. */
 int dem_common_law(const dem_t *dem);
 
@@ -291,6 +295,10 @@ typedef struct dem_grid dem_grid;
 int dem_grid_create(const part_box *box, double r_max, int64_t expected, dem_grid **grid);
 void dem_grid_destroy(dem_grid *grid);
 int dem_grid_add(dem_grid *grid, const double x[3], double r);
+/* Numbers of the spheres with a gap to x, r of at most `fraction` of the smaller radius, increasing;
+ * r_max of dem_grid_create must be 1 + fraction/2 times the largest radius. */
+int dem_grid_near(const dem_grid *grid, const double x[3], double r, double fraction,
+                  size_t *capacity, int64_t **found, size_t *count);
 /* Number of a sphere that x, r overlaps by more than `allowed` of the smaller radius, -1: none. */
 int64_t dem_grid_overlap(const dem_grid *grid, const double x[3], double r, double allowed,
                          double *overlap);

@@ -162,8 +162,8 @@ static void set_skin(dem_t *dem) {
   dem->skin_most = 0.4 * dem->r_mean;
   for (int c = 0; c < 3; c++)
     if (dem->box.periodic[c])
-      dem->skin_most =
-          fmin(dem->skin_most, 0.49 * (dem->box.hi[c] - dem->box.lo[c]) - 2.0 * dem->r_max);
+      dem->skin_most = fmin(dem->skin_most, 0.49 * (dem->box.hi[c] - dem->box.lo[c]) -
+                                                2.0 * dem->r_max - dem->bonds.widest);
   dem->skin_most = fmax(dem->skin_most, first);
   if (!dem->restored || !dem->params.skip)
     dem->skin = first;
@@ -182,7 +182,8 @@ static int work_out(dem_t *dem, const scene *s) {
     dem->r_mean = s->r_sum / (double)dem->total;
   set_skin(dem);
   PART_TRY(set_coefs(dem));
-  plan->tangential = all;
+  plan->bonds = dem->bonds.rules > 0;
+  plan->tangential = all || plan->bonds;
   PART_TRY(walk_contacts(dem, s, pairs, &least));
   dem->stable_step = dem->params.time_step_fraction * least;
   plan->pairs = pairs || all;

@@ -23,6 +23,8 @@ static int balance_parts(dem_t *dem, int balance, const double *home) {
 
 static int make_pairs(dem_t *dem, const int *count, const void *payload) {
   PART_TRY(part_pairs_build(dem->pairs, dem->store, DEM_FIELD_RADIUS, &dem->levels, dem->skin));
+  if (dem->plan.bonds)
+    PART_TRY(dem_bonds_list(dem, count, payload));
   PART_TRY(dem_pair_list_filter(dem));
   if (dem->plan.tangential && payload != NULL)
     PART_TRY(part_pairs_scatter(dem->pairs, dem->store, count, payload));
@@ -110,16 +112,25 @@ static int rearrange(dem_t *dem, int balance, int **count, void **payload) {
   return part_agree(dem->comm, status);
 }
 
+/* Bonded partners may be farther away than others: as far as the widest bond was a step ago. */
+static double ghost_skin(const dem_t *dem) {
+  return dem->skin + dem->bonds.widest;
+}
+
 static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   int status = PART_OK;
   adapt_skin(dem);
+  if (dem->plan.bonds && dem->started)
+    PART_TRY(dem_bonds_settle(dem));
   if (*count == NULL && dem_history_needed(dem))
     status = dem_history_gather(dem, count, payload);
   PART_TRY(part_agree(dem->comm, status));
   PART_TRY(rearrange(dem, balance, count, payload));
   if (dem->plan.pairs)
     PART_TRY(part_domain_sphere_ghosts(dem->domain, dem->store, DEM_FIELD_RADIUS, &dem->levels,
-                                       dem->skin));
+                                       ghost_skin(dem)));
+  if (dem->plan.bonds)
+    PART_TRY(dem_bonds_orient(dem, *count, *payload));
   PART_TRY(part_agree(dem->comm, make_lists(dem, *count, *payload)));
   if (dem->plan.clumps)
     PART_TRY(dem_clumps_turns(dem));
@@ -174,9 +185,11 @@ int dem_refresh(dem_t *dem, double way) {
   /* The bound costs nothing; only when it says maybe, every particle is looked at. */
   const int trial =
       dem->plan.pairs && dem->params.skip && dem->substeps - dem->substeps_built == skin_trial;
+  if (dem->bonds.stale && way >= 0.0)
+    way = HUGE_VAL; /* a pair whose bond has gone must be listed */
   double travel = way >= 0.0 ? dem->travel + max_over_ranks(dem, way) : HUGE_VAL;
   if (!(travel <= limit) || trial) {
-    travel = moved(dem);
+    travel = dem->bonds.stale ? HUGE_VAL : moved(dem);
     if (!(travel <= limit))
       travel = HUGE_VAL; /* NaN is not passed on reliably by MPI_MAX */
     travel = max_over_ranks(dem, travel);

@@ -124,5 +124,11 @@ int dem_get_report(dem_t *dem, dem_report *report) {
   report->kinetic_energy = energy;
   report->substeps = dem->substeps;
   report->rebuilds = dem->rebuilds;
+  if (dem->plan.bonds) {
+    report->bonds = dem->bonds.intact;
+    report->broken_bonds = dem->bonds.broken;
+    report->bond_energy = dem_bonds_energy(dem);
+    PART_TRY(dem_rank_sum(dem, 1, &report->bond_energy));
+  }
   return budget(dem, report);
 }

@@ -5,7 +5,12 @@
 #include "internal.h"
 #include "particle/vtkhdf.h"
 
-enum { STATE_VALUES = 12, BLOCK_VALUES = 11, BUDGET_VALUES = 33 };
+enum { STATE_VALUES = 13, BLOCK_VALUES = 11, BUDGET_VALUES = 33, BROKEN_VALUES = 5 };
+
+/* Values about bonds, 0 without them. */
+static int bond_values(const dem_t *dem) {
+  return dem->plan.bonds ? 2 + BROKEN_VALUES * (int)dem->bonds.broken : 0;
+}
 
 static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
   const double packed[STATE_VALUES] = {dem->time,
@@ -19,7 +24,8 @@ static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
                                        (double)dem->generation,
                                        (double)dem->ranks,
                                        dem->skin,
-                                       dem->shape.depth};
+                                       dem->shape.depth,
+                                       bond_values(dem)};
   memcpy(value, packed, sizeof packed);
 }
 
@@ -95,6 +101,58 @@ static int unpack_blocks(dem_t *dem, const double *from) {
   if (dem->blocks > 0)
     memcpy(dem->block_gravity, from, (size_t)(dem->blocks * dem->materials) * sizeof(double));
   return PART_OK;
+}
+
+/* Widest bond, bound of the frequencies, [broken][BROKEN_VALUES]; the same on every rank. */
+static int pack_bonds(const dem_t *dem, double **values) {
+  const dem_bonds *bonds = &dem->bonds;
+  PART_TRY(dem_allocate((size_t)bond_values(dem), sizeof **values, values));
+  double *to = *values;
+  *to++ = bonds->widest;
+  *to++ = bonds->rate;
+  for (int64_t k = 0; k < bonds->broken; k++, to += BROKEN_VALUES) {
+    const dem_broken_bond *b = &bonds->list[k];
+    const double packed[BROKEN_VALUES] = {(double)b->a, (double)b->b, (double)b->mode, b->time,
+                                          b->stress};
+    memcpy(to, packed, sizeof packed);
+  }
+  return PART_OK;
+}
+
+static int unpack_bonds(dem_t *dem, const double *from, int n) {
+  dem_bonds *bonds = &dem->bonds;
+  bonds->widest = from[0];
+  bonds->rate = from[1];
+  bonds->broken = (n - 2) / BROKEN_VALUES;
+  PART_TRY(dem_grow((size_t)bonds->broken, sizeof *bonds->list, &bonds->list_room, &bonds->list));
+  from += 2;
+  for (int64_t k = 0; k < bonds->broken; k++, from += BROKEN_VALUES)
+    bonds->list[k] = (dem_broken_bond){(int64_t)from[0], (int64_t)from[1], (int64_t)from[2],
+                                       from[3], from[4]};
+  return PART_OK;
+}
+
+static int write_bonds(const dem_t *dem, part_file *file) {
+  double *values = NULL;
+  int status = part_agree(dem->comm, pack_bonds(dem, &values));
+  if (status == PART_OK)
+    status = part_file_write_values(file, "demBonds", bond_values(dem), values);
+  free(values);
+  return status;
+}
+
+static int read_bonds(dem_t *dem, part_file *file, int wanted) {
+  double *values = NULL;
+  int n = wanted;
+  int status = part_agree(dem->comm, dem_allocate((size_t)wanted, sizeof *values, &values));
+  if (status == PART_OK)
+    status = part_file_read_values(file, "demBonds", &n, values);
+  if (status == PART_OK && (n != wanted || n < 2 || (n - 2) % BROKEN_VALUES != 0))
+    status = part_fail(PART_ERR_FORMAT, "demBonds has %d values, not %d", n, wanted);
+  if (status == PART_OK)
+    status = unpack_bonds(dem, values, n);
+  free(values);
+  return part_agree(dem->comm, status);
 }
 
 /* History as records {id, number of entries} followed by the entries. */
@@ -247,6 +305,8 @@ static int write_file(dem_t *dem, part_file *file) {
     status = part_file_write_values(file, "demBlocks", n, blocks);
   free(blocks);
   PART_TRY(status);
+  if (dem->plan.bonds)
+    PART_TRY(write_bonds(dem, file));
   return write_blobs(dem, file);
 }
 
@@ -355,6 +415,8 @@ static int read_file(dem_t *dem, const char *path, part_file *file) {
   PART_TRY(part_file_read_store(file, dem->store));
   PART_TRY(part_agree(dem->comm, check_materials(dem, path)));
   PART_TRY(read_blocks(dem, file));
+  if (state[12] > 0.0)
+    PART_TRY(read_bonds(dem, file, (int)state[12]));
   return read_blobs(dem, file);
 }
 

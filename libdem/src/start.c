@@ -80,10 +80,13 @@ static int populate(dem_t *dem) {
   set_members(dem);
   PART_TRY(dem_clumps_populate(dem, dem->seeds * dem->rank / dem->ranks));
   dem_clumps_free_seeds(&dem->clumps);
+  return PART_OK;
+}
+
+static void drop_seeds(dem_t *dem) {
   free(dem->seed);
   dem->seed = NULL;
   dem->seed_capacity = 0;
-  return PART_OK;
 }
 
 static int prepare(dem_t *dem) {
@@ -104,6 +107,10 @@ int dem_start(dem_t *dem) {
   if (dem->started)
     return part_fail(PART_ERR_STATE, "dem_start is called once");
   PART_TRY(part_agree(dem->comm, prepare(dem)));
+  PART_TRY(part_agree(dem->comm, dem_bonds_check(dem, dem->kept_count, dem->kept)));
+  if (dem->bonds.rules > 0 && !dem->restored)
+    PART_TRY(dem_bonds_make(dem));
+  drop_seeds(dem);
   PART_TRY(dem_make_plan(dem));
   dem_fast_choose(dem);
   PART_TRY(part_agree(dem->comm, prepare_lists(dem)));
@@ -118,6 +125,8 @@ int dem_start(dem_t *dem) {
     payload = NULL;
   }
   PART_TRY(dem_rebuild(dem, !dem->restored || dem->restored_elsewhere, count, payload));
+  if (dem->plan.bonds)
+    PART_TRY(dem_bonds_step(dem));
   dem->started = 1;
   if (dem->restored)
     return PART_OK;

@@ -119,6 +119,12 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
         << " on the solids, so the particles must get it; allowed: on, or model B, or twoWay off"
         << exit(FatalIOError);
   }
+  if (system_.params().dimensions == 2)
+  {
+    FatalIOErrorInFunction(system_.dict())
+        << "entry 'dimensions' can not be 2 with a fluid: volume fraction and drag are those of spheres;"
+        << " allowed: 3, or demFoam" << exit(FatalIOError);
+  }
   still_ = system_.params().skip && !anyMoves(dem_store(dem_));
 
   cpl_fluid properties;

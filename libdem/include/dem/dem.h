@@ -78,6 +78,22 @@ typedef struct dem_contact {
 } dem_contact;
 extern const part_param_table dem_contact_table;
 
+/* Linear parallel bonds between particles of two materials (doc/equations.md, B.1 to B.10; Wu et al.
+ * 2018, sec. 3.2). */
+typedef struct dem_bond {
+  double normal_stiffness;    /* N/m3, per area; with the next, or 0 and youngs_modulus > 0 */
+  double shear_stiffness;     /* N/m3 */
+  double youngs_modulus;      /* Pa */
+  double poisson_ratio;       /* with youngs_modulus */
+  double radius_fraction;     /* radius of the bond over the smaller radius */
+  double tensile_strength;    /* Pa; infinite: it never breaks so */
+  double shear_strength;      /* Pa */
+  double moment_contribution; /* 0 to 1, of bending and twist to the stress that breaks it */
+  double damping;             /* damping ratio */
+  double gap_fraction;        /* pairs with a smaller gap over the smaller radius are bonded */
+} dem_bond;
+extern const part_param_table dem_bond_table;
+
 /* Insertion of particles. */
 typedef enum { DEM_INSERT_LATTICE, DEM_INSERT_RANDOM, DEM_INSERT_FILE } dem_insert_method;
 typedef enum { DEM_ORIENTATION_RANDOM, DEM_ORIENTATION_AS_IN_FILE } dem_orientation;
@@ -145,6 +161,14 @@ int dem_add_material(dem_t *dem, const dem_material *material, int *number);
 int dem_find_material(const dem_t *dem, const char *name, int *number); /* error: nearest name */
 /* Contact of a pair of materials (both orders); a pair without one uses that of (-1, -1). */
 int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact);
+
+/* Bonds between all pairs of particles of materials a and b (-1 and -1: any; a particular rule goes
+ * before the general one) that are near enough when dem_start is called; ERR_RANGE there when there
+ * is none. Not between fixed particles or members of one block; members of
+ * clumps near enough are ERR_RANGE. A bonded pair has no contact; when
+ * its bond breaks it is an ordinary pair, once it is not pressed together any more. With dem_read
+ * the bonds come from the file, but the rules must be given again, in the same order. */
+int dem_add_bonds(dem_t *dem, int a, int b, const dem_bond *bond);
 
 /* Collective. A wall, known by its name; the materials are there. Triangles [count][3][3] (m, the
  * same on every rank, in any order) for type triangles, 0 and NULL otherwise. The elements of a wall
@@ -229,9 +253,32 @@ typedef struct dem_report {
    * in the budget: what they get, from the fluid too, goes to their support. */
   double budget_error;
   long long substeps, rebuilds;
+  int64_t bonds, broken_bonds; /* intact, broken since the beginning */
+  double bond_energy;          /* J, elastic */
 } dem_report;
 /* Collective. */
 int dem_get_report(dem_t *dem, dem_report *report);
+
+/* An intact bond between particles a and b, a < b. */
+typedef struct dem_bond_state {
+  int64_t a, b;
+  int rule;         /* number of the dem_add_bonds call, from 0 */
+  double arm[3];    /* m, from a to b */
+  double force[3];  /* N, elastic, on b */
+  double moment[3]; /* N m, elastic, on b about the contact point */
+  double tensile_stress, shear_stress; /* Pa, Wu et al. 2018 eq. 37-38; break at the strengths */
+} dem_bond_state;
+/* Those whose particle a is an own one. Valid until the next call that moves particles. Local. */
+int dem_bond_states(dem_t *dem, const dem_bond_state **states, size_t *count);
+
+typedef enum { DEM_BROKEN_BY_TENSION, DEM_BROKEN_BY_SHEAR } dem_break_mode;
+typedef struct dem_broken_bond {
+  int64_t a, b, mode;
+  double time;   /* s */
+  double stress; /* Pa */
+} dem_broken_bond;
+/* All that broke, by time and ids, the same on every rank. Valid until the next dem_advance. */
+int dem_broken_bonds(const dem_t *dem, const dem_broken_bond **bonds, size_t *count);
 
 /* ---- what walls feel -------------------------------------------------------------------------- */
 int dem_wall_count(const dem_t *dem); /* numbers 0, 1, ... in the order they were added */
