@@ -17,6 +17,8 @@
 
 static const double covered_height = 1e-6; /* of the radius: single precision of STL files */
 static const double same_direction = 0.9;  /* cosine */
+static const double touch_margin =
+    1e-9; /* of the radius: what is closer to a border is not rejected */
 
 static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -30,21 +32,86 @@ static int before(const dem_candidate *a, const dem_candidate *b) {
   return a->order < b->order;
 }
 
-/* Places of a row within the sphere, in the order in which they are taken. */
-static int find(const dem_t *dem, int row, const double *x, dem_candidate *place) {
+/* Frame of a wall, seen with one shift: neighbours in a row mostly share it. */
+typedef struct frame {
+  int wall, shift;
+  double seen[3];
+} frame;
+
+/* Can the sphere touch a planar element, and where? Squares the distance that it is away at least.
+ * 0: no; 1: on its face, *height above it; 2: to be looked at closely. */
+static int reject(const dem_facet *facet, const double seen[3], double r, double *height,
+                  double *least) {
+  const double d[3] = {seen[0] - facet->a[0], seen[1] - facet->a[1], seen[2] - facet->a[2]};
+  double s[4];
+  for (int k = 0; k < 4; k++)
+    s[k] = d[0] * facet->n[0][k] + d[1] * facet->n[1][k] + d[2] * facet->n[2][k] - facet->o[k];
+  const double up = s[0] > 0.0 ? s[0] : facet->back * s[0];
+  const double edge = s[1] > s[2] ? s[1] : s[2], out = edge > s[3] ? edge : s[3];
+  const double away = up * up + (out > 0.0 ? out * out : 0.0);
+  *height = s[0];
+  if (away < *least)
+    *least = away;
+  if (away >= r * r * (1.0 + touch_margin))
+    return 0;
+  return out < -touch_margin * r ? 1 : 2;
+}
+
+/* Place on the face of a planar element, as dem_element_nearest has it. */
+static void on_face(const dem_t *dem, const dem_element *e, double height, dem_candidate *found) {
+  const double sign = e->shape == DEM_SHAPE_TRIANGLE && height < 0.0 ? -1.0 : 1.0;
+  found->feature = 0;
+  found->gap = sign * height;
+  for (int c = 0; c < 3; c++) {
+    found->n[c] = sign * e->n[c];
+    found->p[c] = -found->gap * found->n[c];
+  }
+  dem_wall_direct(&dem->walls.wall[e->wall], found->p);
+  dem_wall_direct(&dem->walls.wall[e->wall], found->n);
+}
+
+/* Nearest place of an entry: 0 when it is out of reach. *least as in reject. */
+static int place_of(const dem_t *dem, const dem_near *near, const double *x, frame *at,
+                    double *least, dem_candidate *found) {
   const dem_walls *walls = &dem->walls;
+  const dem_element *e = &walls->element[near->element];
+  if (e->shape != DEM_SHAPE_CYLINDER && dem->params.skip) {
+    double height;
+    if (at->wall != e->wall || at->shift != near->shift) {
+      at->wall = e->wall;
+      at->shift = near->shift;
+      dem_wall_see(dem, &walls->wall[e->wall], near->shift, x, at->seen);
+    }
+    const int close = reject(&walls->facet[near->element], at->seen, x[3], &height, least);
+    if (close == 1)
+      on_face(dem, e, height, found);
+    if (close < 2)
+      return close == 1 && found->gap < x[3];
+  }
+  found->feature =
+      dem_wall_nearest(dem, near->element, near->shift, x, found->p, found->n, &found->gap);
+  const double away = found->gap > 0.0 ? found->gap * found->gap : 0.0;
+  if (away < *least)
+    *least = away;
+  return found->gap < x[3];
+}
+
+/* Places of a row within the sphere, in the order in which they are taken; *least: square of a
+ * distance within which there is no element. */
+static int find(const dem_t *dem, int row, const double *x, dem_candidate *place, double *least) {
+  const dem_walls *walls = &dem->walls;
+  frame at = {.wall = -1};
   int count = 0;
+  *least = HUGE_VAL;
   for (int k = walls->start[row]; k < walls->start[row + 1]; k++) {
     const dem_near *near = &walls->near[k];
     dem_candidate found = {.entry = k, .order = near->element * DEM_SHIFTS + near->shift};
-    found.feature =
-        dem_wall_nearest(dem, near->element, near->shift, x, found.p, found.n, &found.gap);
-    if (found.gap >= x[3])
+    if (!place_of(dem, near, x, &at, least, &found))
       continue;
-    int at = count++;
-    for (; at > 0 && before(&found, &place[at - 1]); at--)
-      place[at] = place[at - 1];
-    place[at] = found;
+    int to = count++;
+    for (; to > 0 && before(&found, &place[to - 1]); to--)
+      place[to] = place[to - 1];
+    place[to] = found;
   }
   return count;
 }
@@ -93,10 +160,11 @@ static void hand_over(dem_walls *walls, int row, const dem_candidate *place, int
     if (from != NULL) {
       memcpy(to->spring, from->spring, sizeof to->spring);
       memset(from->n, 0, sizeof from->n);
+      memset(from->spring, 0, sizeof from->spring);
     }
   }
   for (int k = walls->start[row]; k < walls->start[row + 1]; k++)
-    if (!is_kept(place, kept, k)) {
+    if (is_active(&walls->near[k]) && !is_kept(place, kept, k)) {
       memset(walls->near[k].n, 0, sizeof walls->near[k].n);
       memset(walls->near[k].spring, 0, sizeof walls->near[k].spring);
     }
@@ -123,13 +191,19 @@ static void surface_velocity(const dem_wall *wall, const double lever[3], double
 static void lever_of(const dem_t *dem, const dem_wall *wall, int shift, const double *x,
                      const double n[3], double arm, double lever[3]) {
   const double *lo = dem->box.lo, *hi = dem->box.hi;
+  for (int c = 0; c < 3; c++)
+    lever[c] = x[c] - arm * n[c] - wall->pose.from[c];
+  if (shift == DEM_NO_SHIFT)
+    return;
   const int s[3] = {shift % 3 - 1, shift / 3 % 3 - 1, shift / 9 - 1};
   for (int c = 0; c < 3; c++)
-    lever[c] = x[c] - arm * n[c] - s[c] * (hi[c] - lo[c]) - wall->pose.from[c];
+    lever[c] -= s[c] * (hi[c] - lo[c]);
 }
 
 /* The own mass of a member of a block, see blocks.c; for clumps see R.4. */
 static double inverse_mass(const dem_t *dem, int i, const double n[3]) {
+  if (dem->plan.all_free)
+    return dem_vm(dem)[DEM_VM * (size_t)i + 3];
   const int kind = dem_kind_of(dem, i);
   if (kind == DEM_BLOCK)
     return 1.0 / dem_own_mass(dem, i);
@@ -181,14 +255,40 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
 
 int dem_walls_touched(const dem_t *dem, int row, dem_candidate *place) {
   const double *x = dem_xr(dem) + DEM_XR * (size_t)dem->walls.particle[row];
-  return select(place, find(dem, row, x, place), x[3]);
+  double least;
+  return select(place, find(dem, row, x, place, &least), x[3]);
+}
+
+/* Can a row that had a gap when it was last looked at touch now? The particle has moved, and the
+ * walls have on their path. */
+static int is_due(const dem_walls *walls, int row, const double *x) {
+  const double *was = walls->checked + 4 * (size_t)row;
+  const double d[3] = {x[0] - was[0], x[1] - was[1], x[2] - was[2]}, left = was[3] - walls->path;
+  return !(left > 0.0 && d[0] * d[0] + d[1] * d[1] + d[2] * d[2] < left * left);
+}
+
+/* Contacts of a row now, and the springs of those that were. */
+static int take_row(dem_t *dem, int row, const double *x) {
+  dem_walls *walls = &dem->walls;
+  double *was = walls->checked + 4 * (size_t)row, least;
+  const int found = find(dem, row, x, walls->scratch, &least);
+  const int kept = select(walls->scratch, found, x[3]);
+  hand_over(walls, row, walls->scratch, kept);
+  memcpy(was, x, 3 * sizeof *was);
+  was[3] = kept > 0 || !dem->params.skip
+               ? -1.0
+               : walls->path + (sqrt(least) * (1.0 - touch_margin) - x[3]);
+  return kept;
 }
 
 void dem_wall_forces(dem_t *dem, double dt) {
   dem_walls *walls = &dem->walls;
+  const double *xr = dem_xr(dem);
   for (int row = 0; row < walls->rows; row++) {
-    const int kept = dem_walls_touched(dem, row, walls->scratch);
-    hand_over(walls, row, walls->scratch, kept);
+    const double *x = xr + DEM_XR * (size_t)walls->particle[row];
+    if (!is_due(walls, row, x))
+      continue;
+    const int kept = take_row(dem, row, x);
     for (int m = 0; m < kept; m++)
       touch_wall(dem, walls->particle[row], &walls->scratch[m], dt);
   }

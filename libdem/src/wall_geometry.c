@@ -238,3 +238,36 @@ int dem_walls_bins(dem_walls *walls, double reach) {
   }
   return PART_OK;
 }
+
+/* Outward unit normal, in the plane of the triangle, of its edge from a to b. */
+static void edge_plane(const dem_element *e, const double a[3], const double b[3], int k,
+                       dem_facet *facet) {
+  const double t[3] = {b[0] - a[0], b[1] - a[1], b[2] - a[2]}, *n = e->n;
+  const double out[3] = {t[1] * n[2] - t[2] * n[1], t[2] * n[0] - t[0] * n[2],
+                         t[0] * n[1] - t[1] * n[0]};
+  const double length = sqrt(dot(out, out));
+  for (int c = 0; c < 3; c++) {
+    facet->n[c][k] = out[c] / length;
+    facet->o[k] += out[c] / length * (a[c] - e->a[c]);
+  }
+}
+
+int dem_walls_facets(dem_walls *walls) {
+  PART_TRY(dem_allocate(walls->elements, sizeof *walls->facet, &walls->facet));
+  for (size_t k = 0; k < walls->elements; k++) {
+    const dem_element *e = &walls->element[k];
+    dem_facet *facet = &walls->facet[k];
+    memcpy(facet->a, e->a, sizeof facet->a);
+    for (int c = 0; c < 3; c++)
+      facet->n[c][0] = e->n[c];
+    if (e->shape == DEM_SHAPE_TRIANGLE) {
+      facet->back = -1.0;
+      edge_plane(e, e->a, e->b, 1, facet);
+      edge_plane(e, e->b, e->c, 2, facet);
+      edge_plane(e, e->c, e->a, 3, facet);
+    } else { /* no edges */
+      facet->o[1] = facet->o[2] = facet->o[3] = HUGE_VAL;
+    }
+  }
+  return PART_OK;
+}

@@ -118,6 +118,9 @@ int dem_walls_list(dem_t *dem, const int *count, const void *payload) {
     walls->particle[row] = i;
     walls->start[row] = (int)first;
     walls->start[row + 1] = (int)used;
+    PART_TRY(
+        dem_grow(4 * (row + 1), sizeof *walls->checked, &walls->checked_capacity, &walls->checked));
+    walls->checked[4 * row + 3] = -1.0;
     longest = used - first > longest ? used - first : longest;
   }
   return dem_grow(longest, sizeof *walls->scratch, &walls->scratch_capacity, &walls->scratch);

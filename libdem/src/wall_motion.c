@@ -173,10 +173,13 @@ double dem_walls_way(const dem_t *dem, double dt) {
 void dem_wall_see(const dem_t *dem, const dem_wall *wall, int shift, const double x[3],
                   double seen[3]) {
   const double *lo = dem->box.lo, *hi = dem->box.hi;
-  /* The element at + s L meets x where the element itself meets x - s L. */
-  seen[0] = x[0] - (shift % 3 - 1) * (hi[0] - lo[0]);
-  seen[1] = x[1] - (shift / 3 % 3 - 1) * (hi[1] - lo[1]);
-  seen[2] = x[2] - (shift / 9 - 1) * (hi[2] - lo[2]);
+  memcpy(seen, x, 3 * sizeof *seen);
+  if (shift != DEM_NO_SHIFT) {
+    /* The element at + s L meets x where the element itself meets x - s L. */
+    const int s[3] = {shift % 3 - 1, shift / 3 % 3 - 1, shift / 9 - 1};
+    for (int c = 0; c < 3; c++)
+      seen[c] -= s[c] * (hi[c] - lo[c]);
+  }
   if (!wall->moves)
     return;
   if (!wall->turns) {
@@ -184,12 +187,11 @@ void dem_wall_see(const dem_t *dem, const dem_wall *wall, int shift, const doubl
       seen[c] -= wall->pose.shift[c];
     return;
   }
+  const double(*turn)[3] = wall->pose.turn, *centre = wall->params.centre;
   const double d[3] = {seen[0] - wall->pose.from[0], seen[1] - wall->pose.from[1],
                        seen[2] - wall->pose.from[2]};
-  for (int c = 0; c < 3; c++) {
-    const double(*turn)[3] = wall->pose.turn;
-    seen[c] = wall->params.centre[c] + (turn[0][c] * d[0] + turn[1][c] * d[1] + turn[2][c] * d[2]);
-  }
+  for (int c = 0; c < 3; c++)
+    seen[c] = centre[c] + (turn[0][c] * d[0] + turn[1][c] * d[1] + turn[2][c] * d[2]);
 }
 
 void dem_wall_direct(const dem_wall *wall, double v[3]) {

@@ -14,6 +14,8 @@ void dem_walls_free(dem_walls *walls) {
   free(walls->start);
   free(walls->near);
   free(walls->scratch);
+  free(walls->facet);
+  free(walls->checked);
 }
 
 static int check_name(const dem_t *dem, const char *name) {
@@ -167,14 +169,15 @@ static int read_stl(const dem_t *dem, const dem_wall_params *params, int *count,
 static int add_stl(dem_t *dem, const char *name, int material, const dem_wall_params *params) {
   double *vertices = NULL;
   int count = 0, status = read_stl(dem, params, &count, &vertices);
-  if (status == PART_OK && !params->open) {
-    /* A triangle without area is the cause when there is one. */
-    dem_element e;
-    for (int k = 0; k < count && status == PART_OK; k++)
-      status = set_triangle(&e, k, vertices + 9 * (size_t)k);
-    if (status == PART_OK)
-      status = dem_stl_closed(params->file, count, vertices);
+  /* First a triangle without area: it would leave the surface open, too. */
+  dem_element e;
+  for (int k = 0; k < count && status == PART_OK; k++) {
+    status = set_triangle(&e, k, vertices + 9 * (size_t)k);
+    if (status != PART_OK)
+      status = part_fail_context(status, "STL file %s", params->file);
   }
+  if (status == PART_OK && !params->open)
+    status = dem_stl_closed(params->file, count, vertices);
   if (status == PART_OK)
     status = append(dem, name, material, params, count, vertices);
   free(vertices);

@@ -48,6 +48,14 @@ typedef struct dem_element {
   int side;
 } dem_element;
 
+/* The face of an element as a plane, and three planes through its edges at right angles to it that
+ * face out: inside all of them the nearest point is on the face. Four at once. */
+typedef struct dem_facet {
+  double a[3]; /* distances are from a point a of the element */
+  double back; /* its distance from behind times this counts: -1 two sides, 0 one */
+  double n[3][4], o[4];
+} dem_facet;
+
 /* One near element of a particle: row entry. */
 typedef struct dem_near {
   int element, shift; /* shift code: (sx+1) + 3 (sy+1) + 9 (sz+1), element seen at + s L */
@@ -69,6 +77,7 @@ typedef struct dem_walls {
   dem_wall *wall;
   size_t capacity, elements, element_capacity;
   dem_element *element;
+  dem_facet *facet; /* [elements]; of planes and triangles */
   int groups;
   dem_bins *bins;
   /* Rows: only particles that have a near element. */
@@ -78,6 +87,10 @@ typedef struct dem_walls {
   dem_near *near;
   struct dem_candidate *scratch; /* room for the longest row */
   size_t scratch_capacity;
+  /* Per row: where the particle was when it was last looked at, and path + the gap it had then;
+   * negative: look at every step. */
+  double *checked;
+  size_t checked_capacity;
   double margin;          /* m, way of moving walls that the lists allow for, beside the skin */
   double path;            /* m, the same of all steps so far: only grows */
   double travel;          /* m, bound of the way of any wall's surface since the lists were built */
@@ -109,6 +122,7 @@ int dem_stl_closed(const char *path, int count, const double *vertices);
 int dem_element_nearest(const dem_element *element, const double x[3], double p[3], double n[3],
                         double *distance);
 int dem_walls_bins(dem_walls *walls, double reach);
+int dem_walls_facets(dem_walls *walls);
 /* Bin of x, -1: none. */
 int dem_bins_find(const dem_bins *bins, const double x[3]);
 
