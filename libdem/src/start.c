@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From what was inserted to a running scene: particles to ranks, masses, blocks, first forces. */
+#include <fenv.h>
+
 #include "internal.h"
 
 /* Each rank begins with an equal run of the inserted particles; balancing sends them on. */
@@ -104,6 +106,17 @@ static int prepare_lists(dem_t *dem) {
   return dem_walls_bins(&dem->walls, dem->r_max + 2.0 * dem->skin_most);
 }
 
+/* Floating point exceptions held as in dem_advance. */
+static int first_forces(dem_t *dem) {
+  fenv_t environment;
+  feholdexcept(&environment);
+  dem_fast_enter(dem);
+  const int status = dem_forces(dem, 0.0);
+  dem_fast_leave(dem);
+  fesetenv(&environment);
+  return status;
+}
+
 int dem_start(dem_t *dem) {
   if (dem->started)
     return part_fail(PART_ERR_STATE, "dem_start is called once");
@@ -132,10 +145,7 @@ int dem_start(dem_t *dem) {
   if (dem->restored)
     return PART_OK;
   PART_TRY(part_agree(dem->comm, dem->plan.walls ? dem_walls_check(dem) : PART_OK));
-  dem_fast_enter(dem);
-  const int status = dem_forces(dem, 0.0);
-  dem_fast_leave(dem);
-  PART_TRY(status);
+  PART_TRY(first_forces(dem));
   dem_own_momentum(dem, dem->initial_momentum, NULL);
   return PART_OK;
 }
