@@ -5,6 +5,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "file.h"
 #include "memory.h"
@@ -111,6 +112,45 @@ static int name_in_series(const char *series, const char *path, char **name) {
   return status;
 }
 
+/* Whether the file of an entry is there: purged times, and what was removed by hand, is not. Names
+ * with other escapes than name_in_series() writes count as there. */
+static int entry_exists(const char *series, const series_entry *e, int *exists) {
+  const char *slash = strrchr(series, '/');
+  const size_t folder = slash != NULL ? (size_t)(slash - series) + 1 : 0;
+  char *path;
+  PART_TRY(part_allocate(folder + e->length + 1, 1, &path));
+  char *to = path;
+  if (e->length > 0 && e->name[0] != '/')
+    to = (char *)memcpy(path, series, folder) + folder;
+  int plain = 1;
+  for (size_t k = 0; k < e->length; k++) {
+    if (e->name[k] == '\\' && k + 1 < e->length)
+      plain = plain && strchr("\"\\/", e->name[++k]) != NULL;
+    *to++ = e->name[k];
+  }
+  *to = '\0';
+  *exists = !plain || access(path, F_OK) == 0 || errno != ENOENT;
+  free(path);
+  return PART_OK;
+}
+
+/* Drop the entries at or after time, those of the same name, and those without a file. */
+static int keep_entries(const char *series, const char *name, double time, series_entry *entries,
+                        size_t *count) {
+  size_t kept = 0;
+  for (size_t k = 0; k < *count; k++) {
+    const series_entry *e = &entries[k];
+    int exists;
+    if (!(e->time < time) || (e->length == strlen(name) && !memcmp(e->name, name, e->length)))
+      continue;
+    PART_TRY(entry_exists(series, e, &exists));
+    if (exists)
+      entries[kept++] = *e;
+  }
+  *count = kept;
+  return PART_OK;
+}
+
 static int write_series(const char *path, const series_entry *entries, size_t count,
                         const char *name, double time) {
   const size_t size = strlen(path) + 6;
@@ -122,10 +162,8 @@ static int write_series(const char *path, const series_entry *entries, size_t co
   if (!failed) {
     fprintf(out, "{\n  \"file-series-version\" : \"1.0\",\n  \"files\" : [\n");
     for (size_t k = 0; k < count; k++)
-      if (entries[k].time < time &&
-          !(entries[k].length == strlen(name) && !memcmp(entries[k].name, name, entries[k].length)))
-        fprintf(out, "    { \"name\" : \"%.*s\", \"time\" : %.17g },\n", (int)entries[k].length,
-                entries[k].name, entries[k].time);
+      fprintf(out, "    { \"name\" : \"%.*s\", \"time\" : %.17g },\n", (int)entries[k].length,
+              entries[k].name, entries[k].time);
     fprintf(out, "    { \"name\" : \"%s\", \"time\" : %.17g }\n  ]\n}\n", name, time);
     failed = ferror(out) != 0;
     failed = fclose(out) != 0 || failed;
@@ -148,6 +186,8 @@ int part_series_enter(const char *series, const char *path, double time) {
     status = parse(series, text, &entries, &count);
   if (status == PART_OK)
     status = name_in_series(series, path, &name);
+  if (status == PART_OK)
+    status = keep_entries(series, name, time, entries, &count);
   if (status == PART_OK)
     status = write_series(series, entries, count, name, time);
   free(text);

@@ -323,9 +323,16 @@ static void series(void **state) {
   check_series(index, HEAD "    { \"name\" : \"p0.vtkhdf\", \"time\" : 0 },\n"
                            "    { \"name\" : \"p1.vtkhdf\", \"time\" : 0.10000000000000001 },\n"
                            "    { \"name\" : \"p4.vtkhdf\", \"time\" : 0.14999999999999999 }" TAIL);
+  /* Files that are gone, as after OpenFOAM's purgeWrite. */
+  remove_file(in_folder("p1.vtkhdf"));
+  write_file(MPI_COMM_WORLD, in_folder("p2.vtkhdf"), 0.2, store, index);
+  check_series(index, HEAD "    { \"name\" : \"p0.vtkhdf\", \"time\" : 0 },\n"
+                           "    { \"name\" : \"p4.vtkhdf\", \"time\" : 0.14999999999999999 },\n"
+                           "    { \"name\" : \"p2.vtkhdf\", \"time\" : 0.20000000000000001 }" TAIL);
   /* What others wrote in another style, with awkward names. */
-  text_file(index,
-            "{\"files\":[{\"time\":-1,\"name\":\"a } \\\" b\"},{\"name\":\"c\",\"time\":7}]}");
+  text_file(in_folder("a } \" b"), "");
+  text_file(index, "{\"files\":[{\"time\":-1,\"name\":\"a } \\\" b\"},{\"name\":\"c\",\"time\":7},"
+                   "{\"name\":\"gone \\\" b\",\"time\":-2}]}");
   write_file(MPI_COMM_WORLD, in_folder("p0.vtkhdf"), 1.0, store, index);
   check_series(index, HEAD "    { \"name\" : \"a } \\\" b\", \"time\" : -1 },\n"
                            "    { \"name\" : \"p0.vtkhdf\", \"time\" : 1 }" TAIL);
@@ -335,8 +342,10 @@ static void series(void **state) {
   FAILS(PART_ERR_FORMAT, "not a series index", part_file_commit(file, index));
   for (int k = 0; k < 5; k++) {
     snprintf(name, sizeof name, "p%d.vtkhdf", k);
-    remove_file(in_folder(name));
+    if (k != 1)
+      remove_file(in_folder(name));
   }
+  remove_file(in_folder("a } \" b"));
   remove_file(index);
   part_store_destroy(store);
 }

@@ -28,8 +28,8 @@ int part_file_write_values(part_file *file, const char *name, int n, const doubl
 /* Collective. Bytes per rank under a name. */
 int part_file_write_blob(part_file *file, const char *name, size_t size, const void *bytes);
 /* Collective. Close, rename into place, and enter it in the series index `series` (NULL: none).
- * Entries of the index at or after this time are dropped first, as after a restart. The handle is
- * gone afterwards, also on failure. */
+ * Entries of the index at or after this time are dropped first, as after a restart, and those whose
+ * file is gone. The handle is gone afterwards, also on failure. */
 int part_file_commit(part_file *file, const char *series);
 
 /* Collective. ERR_FORMAT: not such a file. */
