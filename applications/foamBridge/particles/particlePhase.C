@@ -283,14 +283,12 @@ void particlePhase::react
     cpl_reaction(cpl_, &view_, data(dragImpulse), data(volumeImpulse), dt, kick_.data()),
     "particlePhase::react"
   );
-  checkStatus(dem_kick(dem_, kick_.cdata()), "particlePhase::react");
+  system_.kick(kick_.cdata());
 }
 
 scalar particlePhase::courant(scalar dt) const
 {
-  dem_report r;
-  checkStatus(dem_get_report(dem_, &r), "particlePhase::courant");
-  return r.max_speed*dt/smallestCell_;
+  return system_.state().max_speed*dt/smallestCell_;
 }
 
 void particlePhase::write()

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "particleSystem.H"
 
-#include "OSspecific.H"
 #include "Time.H"
 #include "foamMesh.H"
 #include "foamParams.H"
@@ -24,7 +23,10 @@ particleSystem::particleSystem(const polyMesh& mesh, const vector& gravity)
   params_(),
   restarted_(false),
   dem_(createParticles(mesh, dict_, box_, gravity, params_, restarted_)),
-  substeps_(0)
+  substeps_(0),
+  files_(mesh.time()),
+  state_(),
+  stateIsNow_(false)
 {}
 
 particleSystem::~particleSystem() { dem_destroy(dem_); }
@@ -32,16 +34,31 @@ particleSystem::~particleSystem() { dem_destroy(dem_); }
 void particleSystem::advance(scalar dt)
 {
   checkStatus(dem_advance(dem_, dt, &substeps_), dict_);
+  stateIsNow_ = false;
+}
+
+void particleSystem::kick(const double* impulse)
+{
+  checkStatus(dem_kick(dem_, impulse), "particleSystem::kick");
+  stateIsNow_ = false;
+}
+
+const dem_report& particleSystem::state() const
+{
+  if (!stateIsNow_)
+  {
+    checkStatus(dem_get_report(dem_, &state_), "particleSystem::state");
+    stateIsNow_ = true;
+  }
+  return state_;
 }
 
 void particleSystem::write()
 {
-  const fileName folder(mesh_.time().globalPath()/"particles");
-  if (Pstream::master()) mkDir(folder);
-  const fileName file(folder/mesh_.time().timeName() + ".vtkhdf");
+  files_.purge();
   checkStatus
   (
-    dem_write(dem_, file.c_str(), (folder/"particles.vtkhdf.series").c_str()), "particleSystem::write"
+    dem_write(dem_, files_.present().c_str(), files_.series().c_str()), "particleSystem::write"
   );
   dem_set_time(dem_, mesh_.time().value()); // that of a restart
   writeParticleCloud(mesh_, dem_store(dem_), particleCommunicator());
@@ -69,8 +86,7 @@ void particleSystem::reportStep(Ostream& os) const
 
 void particleSystem::report(Ostream& os) const
 {
-  dem_report r;
-  checkStatus(dem_get_report(dem_, &r), "particleSystem::report");
+  const dem_report& r = state();
   auto count = [](int64_t n) { return std::to_string(n); }; // beyond OpenFOAM's label
   os << "Particles: " << count(r.particles).c_str() << " substeps " << substeps_ << " contacts "
      << count(r.contacts).c_str() << " + " << count(r.wall_contacts).c_str() << " on walls, max overlap "
@@ -79,9 +95,7 @@ void particleSystem::report(Ostream& os) const
 
 void particleSystem::reportBudget(Ostream& os) const
 {
-  dem_report r;
-  checkStatus(dem_get_report(dem_, &r), "particleSystem::reportBudget");
-  os << "Particle momentum budget: error " << r.budget_error;
+  os << "Particle momentum budget: error " << state().budget_error;
 }
 
 void particleSystem::reportTimers(Ostream& os) const

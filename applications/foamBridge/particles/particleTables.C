@@ -60,9 +60,8 @@ particleTables::particleTables(const particleSystem& particles, const Time& time
 
 void particleTables::stateRow()
 {
-  dem_report r;
-  checkStatus(dem_get_report(particles_.dem(), &r), "particleTables");
-  const scalar potential = particles_.potentialEnergy(); // collective
+  const dem_report& r = particles_.state(); // collective, as the next
+  const scalar potential = particles_.potentialEnergy();
   if (!state_.valid()) return;
   OFstream& os = state_();
   os << time_.value() << tab << std::to_string(r.particles).c_str() << tab
