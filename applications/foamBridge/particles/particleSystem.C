@@ -110,7 +110,7 @@ scalar particleSystem::particleSteps() const
   return returnReduce(scalar(dem_store(dem_)->local)*substeps_, sumOp<scalar>());
 }
 
-scalar particleSystem::potentialEnergy() const
+void particleSystem::weigh(scalar& mass, vector& centre, scalar& energy) const
 {
   part_store* s = dem_store(dem_);
   const double* x = part_field_double(s, DEM_FIELD_POSITION);
@@ -119,17 +119,23 @@ scalar particleSystem::potentialEnergy() const
   const int xStride = part_field_stride(s, DEM_FIELD_POSITION);
   const int massStride = part_field_stride(s, DEM_FIELD_SPHERE_INVERSE_MASS);
   const int kindStride = part_field_stride(s, DEM_FIELD_KIND);
-  scalar energy = 0;
+  mass = 0;
+  centre = Zero;
   for (int i = 0; i < s->local; ++i)
   {
     if (kind[i*kindStride] == DEM_FIXED) continue;
-    for (int d = 0; d < 3; ++d)
-    {
-      if (box_.periodic[d]) continue;
-      energy -= params_.gravity[d]*(x[i*xStride + d] - box_.lo[d])/inverseMass[i*massStride];
-    }
+    const scalar m = 1/inverseMass[i*massStride];
+    mass += m;
+    centre += m*vector(x[i*xStride], x[i*xStride + 1], x[i*xStride + 2]);
   }
-  return returnReduce(energy, sumOp<scalar>());
+  reduce(mass, sumOp<scalar>());
+  reduce(centre, sumOp<vector>());
+  centre /= max(mass, VSMALL);
+  energy = 0;
+  for (direction d = 0; d < 3; ++d)
+  {
+    if (!box_.periodic[d]) energy -= mass*params_.gravity[d]*(centre[d] - box_.lo[d]);
+  }
 }
 
 } // namespace Foam

@@ -34,7 +34,7 @@ particleTables::particleTables(const particleSystem& particles, const Time& time
     (
       time, "particles", "particles",
       "particles\tcontacts\twall contacts\tmax overlap\tmax speed [m/s]\tkinetic energy [J]"
-      "\tpotential energy [J]\tmomentum x y z [N s]\tgravity impulse x y z [N s]\tfluid impulse x y z [N s]"
+      "\tpotential energy [J]\tmass [kg]\tcentre x y z [m]\tmomentum x y z [N s]\tgravity impulse x y z [N s]\tfluid impulse x y z [N s]"
       "\twall impulse x y z [N s]\tsupport impulse x y z [N s]\tbudget error"
     )
   ),
@@ -61,12 +61,15 @@ particleTables::particleTables(const particleSystem& particles, const Time& time
 void particleTables::stateRow()
 {
   const dem_report& r = particles_.state(); // collective, as the next
-  const scalar potential = particles_.potentialEnergy();
+  scalar mass, potential;
+  vector centre;
+  particles_.weigh(mass, centre, potential);
   if (!state_.valid()) return;
   OFstream& os = state_();
   os << time_.value() << tab << std::to_string(r.particles).c_str() << tab
      << std::to_string(r.contacts).c_str() << tab << std::to_string(r.wall_contacts).c_str() << tab
-     << r.max_overlap << tab << r.max_speed << tab << r.kinetic_energy << tab << potential;
+     << r.max_overlap << tab << r.max_speed << tab << r.kinetic_energy << tab << potential << tab << mass
+     << tab << centre.x() << tab << centre.y() << tab << centre.z();
   put(os, r.momentum);
   put(os, r.gravity_impulse);
   put(os, r.fluid_impulse);
