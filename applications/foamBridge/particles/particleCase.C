@@ -70,24 +70,40 @@ static void addMaterials(dem_t* dem, const dictionary& properties)
   }
 }
 
-/* Keys: default, or two materials with a '-' between. */
+/* Materials that a key of contacts or bonds names: default (-1, -1), or two with a '-' between. */
+static void materialPair(dem_t* dem, const entry& e, int& a, int& b)
+{
+  a = b = -1;
+  const std::string& key = e.keyword();
+  if (key == "default") return;
+  const std::string::size_type dash = key.find('-');
+  a = material(dem, e.dict(), key.substr(0, dash));
+  b = material(dem, e.dict(), dash == std::string::npos ? "" : key.substr(dash + 1));
+}
+
 static void addContacts(dem_t* dem, const dictionary& properties)
 {
   for (const entry& e : section(properties, "contacts"))
   {
-    dem_contact c;
-    readParams(e.dict(), dem_contact_table, &c);
-    int a = -1, b = -1;
-    const std::string& key = e.keyword();
-    if (key != "default")
-    {
-      const std::string::size_type dash = key.find('-');
-      const std::string first = key.substr(0, dash);
-      const std::string second = dash == std::string::npos ? "" : key.substr(dash + 1);
-      a = material(dem, e.dict(), first);
-      b = material(dem, e.dict(), second);
-    }
-    checkStatus(dem_set_contact(dem, a, b, &c), e.dict());
+    dem_contact contact;
+    readParams(e.dict(), dem_contact_table, &contact);
+    int a, b;
+    materialPair(dem, e, a, b);
+    checkStatus(dem_set_contact(dem, a, b, &contact), e.dict());
+  }
+}
+
+/* Near pairs of these materials are bonded by dem_start; after a restart the bonds are in the file. */
+static void addBonds(dem_t* dem, const dictionary& properties)
+{
+  if (!properties.found("bonds")) return;
+  for (const entry& e : section(properties, "bonds"))
+  {
+    dem_bond bond;
+    readParams(e.dict(), dem_bond_table, &bond);
+    int a, b;
+    materialPair(dem, e, a, b);
+    checkStatus(dem_add_bonds(dem, a, b, &bond), e.dict());
   }
 }
 
@@ -184,6 +200,7 @@ static void insertAll(dem_t* dem, const Time& time, const dictionary& properties
     readParams(e.dict(), dem_insert_table, &insert);
     material(dem, e.dict());
     locateFile(time, e.dict(), insert.file);
+    locateFile(time, e.dict(), insert.shape);
     const bool isBlock = insert.kind == DEM_BLOCK;
     int64_t inserted = 0;
     checkStatus(dem_insert_particles(dem, &insert, isBlock ? block : -1, &inserted), e.dict());
@@ -226,12 +243,13 @@ dem_t* createParticles
   updateParams
   (
     properties, dem_params_table, &params,
-    wordList({"materials", "contacts", "walls", "insertion", "insertTime"})
+    wordList({"materials", "contacts", "bonds", "walls", "insertion", "insertTime"})
   );
   dem_t* dem = nullptr;
   checkStatus(dem_create(particleCommunicator(), &box, &params, &dem), properties);
   addMaterials(dem, properties);
   addContacts(dem, properties);
+  addBonds(dem, properties);
   addWalls(dem, mesh, properties);
 
   const Time& time = mesh.time();

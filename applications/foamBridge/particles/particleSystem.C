@@ -80,7 +80,7 @@ void particleSystem::reportStep(Ostream& os) const
     return;
   }
   os << "Contact step: at most " << step << " s = timeStepFraction " << params_.time_step_fraction
-     << " of the shortest contact time, " << step/params_.time_step_fraction
+     << " of the shortest contact time (or half period of a bond), " << step/params_.time_step_fraction
      << " s, of all materials that can meet (doc/equations.md D.11)" << nl;
 }
 
@@ -91,6 +91,10 @@ void particleSystem::report(Ostream& os) const
   os << "Particles: " << count(r.particles).c_str() << " substeps " << substeps_ << " contacts "
      << count(r.contacts).c_str() << " + " << count(r.wall_contacts).c_str() << " on walls, max overlap "
      << r.max_overlap << ", max speed " << r.max_speed << " m/s";
+  if (r.bonds + r.broken_bonds > 0)
+  {
+    os << ", bonds " << count(r.bonds).c_str() << ", broken " << count(r.broken_bonds).c_str();
+  }
 }
 
 void particleSystem::reportBudget(Ostream& os) const

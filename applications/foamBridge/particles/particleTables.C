@@ -15,7 +15,7 @@ static OFstream* openTable(const Time& time, const word& kind, const word& name,
   mkDir(folder);
   OFstream* file = new OFstream(folder/(name + ".dat"));
   file->precision(12);
-  *file << "# Time [s]\t" << head << endl;
+  *file << "# " << head << endl;
   return file;
 }
 
@@ -33,12 +33,28 @@ particleTables::particleTables(const particleSystem& particles, const Time& time
     openTable
     (
       time, "particles", "particles",
-      "particles\tcontacts\twall contacts\tmax overlap\tmax speed [m/s]\tkinetic energy [J]"
+      "Time [s]\tparticles\tcontacts\twall contacts\tmax overlap\tmax speed [m/s]\tkinetic energy [J]"
       "\tpotential energy [J]\tmass [kg]\tcentre x y z [m]\tmomentum x y z [N s]\tgravity impulse x y z [N s]\tfluid impulse x y z [N s]"
       "\twall impulse x y z [N s]\tsupport impulse x y z [N s]\tbudget error"
     )
   ),
-  walls_(dem_wall_count(particles.dem()))
+  walls_(dem_wall_count(particles.dem())),
+  bonded_(particles.state().bonds + particles.state().broken_bonds > 0),
+  bonds_
+  (
+    bonded_
+  ? openTable
+    (
+      time, "bonds", "bonds",
+      "Time [s]\tbonds\tbroken\tenergy [J]\tlargest tensile stress [Pa]\tlargest shear stress [Pa]"
+    )
+  : nullptr
+  ),
+  broken_
+  (
+    bonded_ ? openTable(time, "bonds", "broken", "Time [s]\tid\tid of partner\tshear\tstress [Pa]") : nullptr
+  ),
+  brokenRows_(particles.state().broken_bonds)
 {
   forAll(walls_, wall)
   {
@@ -50,7 +66,7 @@ particleTables::particleTables(const particleSystem& particles, const Time& time
       openTable
       (
         time, "walls", r.name,
-        "centre x y z [m]\tforce x y z [N]\ttorque x y z [N m]\timpulse x y z [N s]"
+        "Time [s]\tcentre x y z [m]\tforce x y z [N]\ttorque x y z [N m]\timpulse x y z [N s]"
         "\tspin impulse x y z [N m s]\twork [J]"
       )
     );
@@ -93,10 +109,49 @@ void particleTables::wallRow(label wall)
   os << tab << r.work << endl;
 }
 
+void particleTables::bondRow()
+{
+  const dem_bond_state* bonds;
+  size_t count;
+  checkStatus(dem_bond_states(particles_.dem(), &bonds, &count), "particleTables");
+  scalar tension = 0, shear = 0;
+  for (size_t k = 0; k < count; ++k)
+  {
+    tension = max(tension, scalar(bonds[k].tensile_stress));
+    shear = max(shear, scalar(bonds[k].shear_stress));
+  }
+  reduce(tension, maxOp<scalar>());
+  reduce(shear, maxOp<scalar>());
+  const dem_report& r = particles_.state(); // collective
+  if (!Pstream::master()) return;
+  bonds_() << time_.value() << tab << std::to_string(r.bonds).c_str() << tab
+           << std::to_string(r.broken_bonds).c_str() << tab << r.bond_energy << tab << tension << tab << shear
+           << endl;
+}
+
+void particleTables::brokenRows()
+{
+  const dem_broken_bond* broken;
+  size_t count;
+  checkStatus(dem_broken_bonds(particles_.dem(), &broken, &count), "particleTables");
+  for (size_t k = brokenRows_; k < count && Pstream::master(); ++k)
+  {
+    broken_() << broken[k].time << tab << std::to_string(broken[k].a).c_str() << tab
+              << std::to_string(broken[k].b).c_str() << tab << (broken[k].mode == DEM_BROKEN_BY_SHEAR)
+              << tab << broken[k].stress << endl;
+  }
+  brokenRows_ = count;
+}
+
 void particleTables::write()
 {
   stateRow();
   forAll(walls_, wall) wallRow(wall);
+  if (bonded_)
+  {
+    bondRow();
+    brokenRows();
+  }
 }
 
 } // namespace Foam
