@@ -181,13 +181,15 @@ typedef struct maker {
 } maker;
 
 static int open_grid(const dem_t *dem, maker *m) {
-  double r_max = 0.0;
+  double r_min = HUGE_VAL, r_max = 0.0;
   m->widest = 0.0;
   for (int k = 0; k < dem->bonds.rules; k++)
     m->widest = fmax(m->widest, dem->bonds.rule[k].bond.gap_fraction);
-  for (int64_t k = 0; k < dem->seeds; k++)
+  for (int64_t k = 0; k < dem->seeds; k++) {
+    r_min = fmin(r_min, dem->seed[k].r);
     r_max = fmax(r_max, dem->seed[k].r);
-  PART_TRY(dem_grid_create(&dem->box, r_max * (1.0 + 0.5 * m->widest), dem->seeds, &m->grid));
+  }
+  PART_TRY(dem_grid_create(&dem->box, r_min, r_max, dem->seeds, &m->grid));
   for (int64_t k = 0; k < dem->seeds; k++)
     PART_TRY(dem_grid_add(m->grid, dem->seed[k].x, dem->seed[k].r));
   return PART_OK;

@@ -135,12 +135,13 @@ static int check_one(const dem_t *dem, const dem_grid *grid, const dem_seed *see
 static int check_overlap(const dem_t *dem, const dem_seed *seed, int64_t count) {
   dem_grid *grid;
   int status = PART_OK;
-  double r_max = 0.0;
+  double r_min = HUGE_VAL, r_max = 0.0;
   for (int64_t k = 0; k < dem->seeds + count; k++) {
     const double r = k < dem->seeds ? dem->seed[k].r : seed[k - dem->seeds].r;
+    r_min = r < r_min ? r : r_min;
     r_max = r > r_max ? r : r_max;
   }
-  PART_TRY(dem_grid_create(&dem->box, r_max, dem->seeds + count, &grid));
+  PART_TRY(dem_grid_create(&dem->box, r_min, r_max, dem->seeds + count, &grid));
   for (int64_t k = 0; k < dem->seeds && status == PART_OK; k++)
     status = dem_grid_add(grid, dem->seed[k].x, dem->seed[k].r);
   for (int64_t k = 0, end; k < count && status == PART_OK; k = end) {

@@ -1,104 +1,144 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Linked cells of spheres that grow one by one, for overlap tests at insertion. */
+/* Linked cells of spheres that grow one by one, for overlap tests at insertion: a grid for each level
+ * of radii, so that small spheres are not in the cells of large ones. */
 #include "internal.h"
+
+typedef struct grid_level {
+  double edge[3], r_max; /* largest radius so far */
+  int cells[3];
+  int64_t *head; /* first sphere of a cell, -1: none; NULL: no sphere in this level yet */
+} grid_level;
 
 struct dem_grid {
   part_box box;
-  double edge[3];
-  int cells[3];
-  int64_t *head, *next; /* first sphere of a cell, next sphere of the same cell; -1: end */
-  double *sphere;       /* [count][4] x y z r */
+  part_levels levels;
+  grid_level level[PART_LEVELS_MAX];
+  int64_t *next;  /* next sphere of the same cell; -1: end */
+  double *sphere; /* [count][4] x y z r */
   size_t next_capacity, sphere_capacity;
-  int64_t count;
+  int64_t count, expected;
 };
 
-int dem_grid_create(const part_box *box, double r_max, int64_t expected, dem_grid **result) {
-  dem_grid *grid;
-  const double most = 2.0 * (double)expected + 27.0;
-  double shortest = 2.0 * r_max, cells;
-  *result = NULL;
-  PART_TRY(dem_allocate(1, sizeof *grid, &grid));
-  grid->box = *box;
-  /* Larger cells where the box is mostly empty: memory stays of the order of the spheres. */
-  do {
-    cells = 1.0;
-    for (int c = 0; c < 3; c++) {
-      const double length = box->hi[c] - box->lo[c], n = floor(length / shortest);
-      grid->cells[c] = n < 1.0 ? 1 : n > 1e6 ? 1000000 : (int)n;
-      grid->edge[c] = length / grid->cells[c];
-      cells *= grid->cells[c];
-    }
-    shortest *= 1.3;
-  } while (cells > most);
-  const int status = dem_allocate((size_t)cells, sizeof *grid->head, &grid->head);
-  if (status != PART_OK) {
-    dem_grid_destroy(grid);
-    return status;
-  }
-  for (size_t k = 0; k < (size_t)cells; k++)
-    grid->head[k] = -1;
-  *result = grid;
+int dem_grid_create(const part_box *box, double r_min, double r_max, int64_t expected,
+                    dem_grid **grid) {
+  *grid = NULL;
+  PART_TRY(dem_allocate(1, sizeof **grid, grid));
+  (*grid)->box = *box;
+  (*grid)->expected = expected;
+  part_levels_set(&(*grid)->levels, r_min, r_max);
   return PART_OK;
 }
 
 void dem_grid_destroy(dem_grid *grid) {
   if (grid == NULL)
     return;
-  free(grid->head);
+  for (int k = 0; k < PART_LEVELS_MAX; k++)
+    free(grid->level[k].head);
   free(grid->next);
   free(grid->sphere);
   free(grid);
 }
 
-static void cell_of(const dem_grid *grid, const double x[3], int cell[3]) {
-  double wrapped[3] = {x[0], x[1], x[2]};
-  part_box_wrap(&grid->box, wrapped, NULL);
-  for (int c = 0; c < 3; c++) {
-    const int k = (int)floor((wrapped[c] - grid->box.lo[c]) / grid->edge[c]);
-    cell[c] = k < 0 ? 0 : k >= grid->cells[c] ? grid->cells[c] - 1 : k;
-  }
-}
-
-static size_t cell_number(const dem_grid *grid, const int cell[3]) {
-  return ((size_t)cell[2] * (size_t)grid->cells[1] + (size_t)cell[1]) * (size_t)grid->cells[0] +
-         (size_t)cell[0];
-}
-
-int dem_grid_add(dem_grid *grid, const double x[3], double r) {
-  int cell[3];
-  const size_t k = (size_t)grid->count;
-  PART_TRY(dem_grow(k + 1, sizeof *grid->next, &grid->next_capacity, &grid->next));
-  PART_TRY(dem_grow(4 * (k + 1), sizeof *grid->sphere, &grid->sphere_capacity, &grid->sphere));
-  memcpy(&grid->sphere[4 * k], x, 3 * sizeof(double));
-  grid->sphere[4 * k + 3] = r;
-  cell_of(grid, x, cell);
-  const size_t place = cell_number(grid, cell);
-  grid->next[k] = grid->head[place];
-  grid->head[place] = grid->count++;
+/* Cells of one diameter; larger where the box is mostly empty, so that memory stays of the order of
+ * the spheres. */
+static int make_level(const dem_grid *grid, int number, grid_level *level) {
+  const double most = 2.0 * (double)grid->expected + 27.0;
+  double shortest = 2.0 * grid->levels.top[number], cells;
+  do {
+    cells = 1.0;
+    for (int c = 0; c < 3; c++) {
+      const double length = grid->box.hi[c] - grid->box.lo[c], n = floor(length / shortest);
+      level->cells[c] = n < 1.0 ? 1 : n > 1e6 ? 1000000 : (int)n;
+      level->edge[c] = length / level->cells[c];
+      cells *= level->cells[c];
+    }
+    shortest *= 1.3;
+  } while (cells > most);
+  PART_TRY(dem_allocate((size_t)cells, sizeof *level->head, &level->head));
+  for (size_t k = 0; k < (size_t)cells; k++)
+    level->head[k] = -1;
   return PART_OK;
 }
 
-/* Cells next to c in one direction, each once; returns how many. */
-static int neighbours(const dem_grid *grid, int direction, int c, int near[3]) {
-  const int n = grid->cells[direction], periodic = grid->box.periodic[direction];
-  int count = 0;
-  for (int s = -1; s <= 1; s++) {
-    int k = c + s, seen = 0;
-    if (periodic)
-      k = (k + n) % n;
-    if (k < 0 || k >= n)
-      continue;
-    for (int m = 0; m < count; m++)
-      seen |= near[m] == k;
-    if (!seen)
-      near[count++] = k;
-  }
-  return count;
+static size_t cell_number(const grid_level *level, int x, int y, int z) {
+  return ((size_t)z * (size_t)level->cells[1] + (size_t)y) * (size_t)level->cells[0] + (size_t)x;
 }
 
-static int64_t search_cell(const dem_grid *grid, size_t cell, const double x[3], double r,
+static int cell_of(const grid_level *level, double x, double lo, int c) {
+  const double k = floor((x - lo) / level->edge[c]);
+  return k < 0.0 ? 0 : k >= level->cells[c] ? level->cells[c] - 1 : (int)k;
+}
+
+int dem_grid_add(dem_grid *grid, const double x[3], double r) {
+  const int number = part_level_of(&grid->levels, r);
+  grid_level *level = &grid->level[number];
+  const size_t k = (size_t)grid->count;
+  double wrapped[3] = {x[0], x[1], x[2]};
+  int cell[3];
+  PART_TRY(dem_grow(k + 1, sizeof *grid->next, &grid->next_capacity, &grid->next));
+  PART_TRY(dem_grow(4 * (k + 1), sizeof *grid->sphere, &grid->sphere_capacity, &grid->sphere));
+  if (level->head == NULL)
+    PART_TRY(make_level(grid, number, level));
+  memcpy(&grid->sphere[4 * k], x, 3 * sizeof(double));
+  grid->sphere[4 * k + 3] = r;
+  level->r_max = fmax(level->r_max, r);
+  part_box_wrap(&grid->box, wrapped, NULL);
+  for (int c = 0; c < 3; c++)
+    cell[c] = cell_of(level, wrapped[c], grid->box.lo[c], c);
+  const size_t place = cell_number(level, cell[0], cell[1], cell[2]);
+  grid->next[k] = level->head[place];
+  level->head[place] = grid->count++;
+  return PART_OK;
+}
+
+/* Cells of a level within reach of a place, each once. */
+typedef struct cell_block {
+  int first[3], count[3];
+} cell_block;
+
+/* In one direction; cells go on modulo their number in a periodic one. */
+static void cells_near(const dem_grid *grid, const grid_level *level, int c, double x, double reach,
+                       int *first, int *count) {
+  const double lo = grid->box.lo[c];
+  const int n = level->cells[c];
+  if (!grid->box.periodic[c]) {
+    *first = cell_of(level, x - reach, lo, c);
+    *count = cell_of(level, x + reach, lo, c) - *first + 1;
+    return;
+  }
+  const double a = floor((x - reach - lo) / level->edge[c]),
+               b = floor((x + reach - lo) / level->edge[c]);
+  *count = b - a + 1.0 >= n ? n : (int)(b - a) + 1;
+  *first = (int)(a - n * floor(a / n));
+  if (*first >= n) /* rounding */
+    *first = 0;
+}
+
+static cell_block block_near(const dem_grid *grid, const grid_level *level, const double x[3],
+                             double reach) {
+  cell_block block;
+  for (int c = 0; c < 3; c++) /* a little more, for rounding */
+    cells_near(grid, level, c, x[c], reach * (1.0 + 1e-9), &block.first[c], &block.count[c]);
+  return block;
+}
+
+static int64_t cells_of(const cell_block *block) {
+  return (int64_t)block->count[0] * block->count[1] * block->count[2];
+}
+
+/* First sphere of cell number n of a block. */
+static int64_t head_of(const grid_level *level, const cell_block *block, int64_t n) {
+  const int *count = block->count, *first = block->first;
+  const int x = (int)(n % count[0]), y = (int)(n / count[0] % count[1]),
+            z = (int)(n / count[0] / count[1]);
+  return level->head[cell_number(level, (first[0] + x) % level->cells[0],
+                                 (first[1] + y) % level->cells[1],
+                                 (first[2] + z) % level->cells[2])];
+}
+
+static int64_t search_cell(const dem_grid *grid, int64_t head, const double x[3], double r,
                            double allowed, double *overlap) {
-  for (int64_t k = grid->head[cell]; k >= 0; k = grid->next[k]) {
+  for (int64_t k = head; k >= 0; k = grid->next[k]) {
     const double *s = &grid->sphere[4 * k];
     double d[3];
     part_box_difference(&grid->box, x, s, d);
@@ -112,9 +152,26 @@ static int64_t search_cell(const dem_grid *grid, size_t cell, const double x[3],
   return -1;
 }
 
-static int near_in_cell(const dem_grid *grid, size_t cell, const double x[3], double r,
+int64_t dem_grid_overlap(const dem_grid *grid, const double x[3], double r, double allowed,
+                         double *overlap) {
+  for (int k = grid->levels.count - 1; k >= 0; k--) { /* a place is most often in a large one */
+    const grid_level *level = &grid->level[k];
+    if (level->head == NULL)
+      continue;
+    const cell_block block = block_near(grid, level, x, r + level->r_max);
+    for (int64_t n = 0; n < cells_of(&block); n++) {
+      const int64_t found =
+          search_cell(grid, head_of(level, &block, n), x, r, allowed, overlap);
+      if (found >= 0)
+        return found;
+    }
+  }
+  return -1;
+}
+
+static int near_in_cell(const dem_grid *grid, int64_t head, const double x[3], double r,
                         double fraction, size_t *capacity, int64_t **found, size_t *count) {
-  for (int64_t k = grid->head[cell]; k >= 0; k = grid->next[k]) {
+  for (int64_t k = head; k >= 0; k = grid->next[k]) {
     const double *s = &grid->sphere[4 * k];
     double d[3];
     part_box_difference(&grid->box, x, s, d);
@@ -134,36 +191,18 @@ static int by_number(const void *a, const void *b) {
 
 int dem_grid_near(const dem_grid *grid, const double x[3], double r, double fraction,
                   size_t *capacity, int64_t **found, size_t *number) {
-  int cell[3], near[3][3], count[3];
   *number = 0;
-  cell_of(grid, x, cell);
-  for (int c = 0; c < 3; c++)
-    count[c] = neighbours(grid, c, cell[c], near[c]);
-  for (int k = 0; k < count[2]; k++)
-    for (int j = 0; j < count[1]; j++)
-      for (int i = 0; i < count[0]; i++) {
-        const int at[3] = {near[0][i], near[1][j], near[2][k]};
-        PART_TRY(
-            near_in_cell(grid, cell_number(grid, at), x, r, fraction, capacity, found, number));
-      }
+  for (int k = 0; k < grid->levels.count; k++) {
+    const grid_level *level = &grid->level[k];
+    if (level->head == NULL)
+      continue;
+    const double reach = r + level->r_max + fraction * fmin(r, level->r_max);
+    const cell_block block = block_near(grid, level, x, reach);
+    for (int64_t n = 0; n < cells_of(&block); n++)
+      PART_TRY(near_in_cell(grid, head_of(level, &block, n), x, r, fraction, capacity, found,
+                            number));
+  }
   if (*number > 1)
     qsort(*found, *number, sizeof **found, by_number);
   return PART_OK;
-}
-
-int64_t dem_grid_overlap(const dem_grid *grid, const double x[3], double r, double allowed,
-                         double *overlap) {
-  int cell[3], near[3][3], count[3];
-  cell_of(grid, x, cell);
-  for (int c = 0; c < 3; c++)
-    count[c] = neighbours(grid, c, cell[c], near[c]);
-  for (int k = 0; k < count[2]; k++)
-    for (int j = 0; j < count[1]; j++)
-      for (int i = 0; i < count[0]; i++) {
-        const int at[3] = {near[0][i], near[1][j], near[2][k]};
-        const int64_t found = search_cell(grid, cell_number(grid, at), x, r, allowed, overlap);
-        if (found >= 0)
-          return found;
-      }
-  return -1;
 }

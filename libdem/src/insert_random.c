@@ -45,7 +45,8 @@ static int check(const dem_insert *insert, double d_max, int flat) {
                        "%s: entry extent: %g m in %c does not hold a sphere of %g m", table,
                        insert->extent[c], "xyz"[c], d_max);
   const double part = all_volume(insert, d_max, flat) / region(insert, flat);
-  if (part > (flat ? 0.84 : 0.64))
+  const double most = d_max > 2.0 * insert->diameter ? 0.9 : flat ? 0.84 : 0.64;
+  if (part > most)
     return part_fail(PART_ERR_RANGE,
                      "%s: entry number: %lld %s would fill %.3g of the region; random "
                      "placing reaches about %s",
@@ -69,40 +70,66 @@ static int place(const dem_insert *insert, int flat, const dem_grid *grid, uint6
   return PART_ERR_RANGE;
 }
 
-static int fill(const dem_t *dem, const dem_insert *insert, double d_max, dem_grid *grid,
+static int larger_first(const void *a, const void *b) {
+  const double *x = a, *y = b;
+  return (*x < *y) - (*x > *y);
+}
+
+/* Large ones first: they find no room among the small ones, which find room between them. */
+static void draw_radii(const dem_insert *insert, double d_max, uint64_t *state, double *r) {
+  for (int64_t k = 0; k < insert->number; k++)
+    r[k] = 0.5 * (insert->diameter + dem_draw(state) * (d_max - insert->diameter));
+  if (d_max > insert->diameter)
+    qsort(r, (size_t)insert->number, sizeof *r, larger_first);
+}
+
+/* How far it came, and what can be done. */
+static int out_of_room(const dem_insert *insert, int flat, const dem_seed *seed, int64_t k) {
+  double volume = 0.0;
+  for (int64_t m = 0; m < k; m++)
+    volume += 3.14159265358979323846 * seed[m].r * seed[m].r * (flat ? 1.0 : 4.0 / 3.0 * seed[m].r);
+  return part_fail(PART_ERR_RANGE,
+                   "%s: entry number: only %lld of %lld %s (%s fraction %.3g, largest first) found "
+                   "a free place in %d tries each, the next has diameter %g m; ask for fewer or a "
+                   "larger extent, and let the particles settle to a denser bed",
+                   dem_insert_table.name, (long long)k, (long long)insert->number,
+                   flat ? "discs" : "spheres", flat ? "area" : "volume",
+                   volume / region(insert, flat), TRIES, 2.0 * seed[k].r);
+}
+
+static int fill(const dem_t *dem, const dem_insert *insert, double d_max, dem_grid *grid, double *r,
                 dem_seed *seed) {
   uint64_t state = (uint64_t)insert->seed;
   const int flat = dem->shape.flat;
-  double volume = 0.0;
   for (int64_t k = 0; k < dem->seeds; k++)
     PART_TRY(dem_grid_add(grid, dem->seed[k].x, dem->seed[k].r));
+  draw_radii(insert, d_max, &state, r);
   for (int64_t k = 0; k < insert->number; k++) {
-    seed[k].r = 0.5 * (insert->diameter + dem_draw(&state) * (d_max - insert->diameter));
+    seed[k].r = r[k];
     memcpy(seed[k].v, insert->velocity, sizeof seed[k].v);
     if (place(insert, flat, grid, &state, &seed[k]) != PART_OK)
-      return part_fail(PART_ERR_RANGE,
-                       "%s: entry number: only %lld of %lld %s (%s fraction %.3g) found a "
-                       "free place in %d tries each; ask for fewer or a larger extent",
-                       dem_insert_table.name, (long long)k, (long long)insert->number,
-                       flat ? "discs" : "spheres", flat ? "area" : "volume",
-                       volume / region(insert, flat), TRIES);
+      return out_of_room(insert, flat, seed, k);
     PART_TRY(dem_grid_add(grid, seed[k].x, seed[k].r));
-    volume += 3.14159265358979323846 * seed[k].r * seed[k].r * (flat ? 1.0 : 4.0 / 3.0 * seed[k].r);
   }
   return PART_OK;
 }
 
 int dem_insert_random(const dem_t *dem, const dem_insert *insert, dem_seed **seed, int64_t *count) {
   const double d_max = insert->diameter_max > 0.0 ? insert->diameter_max : insert->diameter;
-  double r_max = 0.5 * d_max;
-  dem_grid *grid;
+  double r_min = 0.5 * insert->diameter, r_max = 0.5 * d_max, *r;
+  dem_grid *grid = NULL;
   PART_TRY(check(insert, d_max, dem->shape.flat));
-  for (int64_t k = 0; k < dem->seeds; k++)
-    r_max = dem->seed[k].r > r_max ? dem->seed[k].r : r_max;
+  for (int64_t k = 0; k < dem->seeds; k++) {
+    r_min = fmin(r_min, dem->seed[k].r);
+    r_max = fmax(r_max, dem->seed[k].r);
+  }
   PART_TRY(dem_allocate((size_t)insert->number, sizeof **seed, seed));
-  PART_TRY(dem_grid_create(&dem->box, r_max, dem->seeds + insert->number, &grid));
-  const int status = fill(dem, insert, d_max, grid, *seed);
+  PART_TRY(dem_allocate((size_t)insert->number, sizeof *r, &r));
+  int status = dem_grid_create(&dem->box, r_min, r_max, dem->seeds + insert->number, &grid);
+  if (status == PART_OK)
+    status = fill(dem, insert, d_max, grid, r, *seed);
   dem_grid_destroy(grid);
+  free(r);
   *count = insert->number;
   return status;
 }

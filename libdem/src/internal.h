@@ -290,13 +290,13 @@ int dem_text_share(const dem_t *dem, const char *path, char **text);
  * -1 when something (*bad) is not a finite number. */
 int dem_text_numbers(char *line, int most, double *value, const char **bad);
 
-/* Grid of spheres for overlap tests, periodic as the box. */
+/* Grid of about `expected` spheres of radii r_min .. r_max for overlap tests, periodic as the box. */
 typedef struct dem_grid dem_grid;
-int dem_grid_create(const part_box *box, double r_max, int64_t expected, dem_grid **grid);
+int dem_grid_create(const part_box *box, double r_min, double r_max, int64_t expected,
+                    dem_grid **grid);
 void dem_grid_destroy(dem_grid *grid);
 int dem_grid_add(dem_grid *grid, const double x[3], double r);
-/* Numbers of the spheres with a gap to x, r of at most `fraction` of the smaller radius, increasing;
- * r_max of dem_grid_create must be 1 + fraction/2 times the largest radius. */
+/* Numbers of the spheres with a gap to x, r of at most `fraction` of the smaller radius, increasing. */
 int dem_grid_near(const dem_grid *grid, const double x[3], double r, double fraction,
                   size_t *capacity, int64_t **found, size_t *count);
 /* Number of a sphere that x, r overlaps by more than `allowed` of the smaller radius, -1: none. */

@@ -43,7 +43,7 @@ static dem_t *scene_with_particles(MPI_Comm comm) {
   insert = lattice(DEM_FIXED, 0.01, low, 0.011, 2, 2, 1);
   OK(dem_insert_particles(dem, &insert, -1, NULL));
   insert = random_spheres(N - 20, 0.008, 0.011, from, 0.1, 3);
-  insert.extent[2] = 0.075;
+  insert.extent[2] = 0.065;
   OK(dem_insert_particles(dem, &insert, -1, NULL));
   OK(dem_start(dem));
   stir(dem, 0.4);
