@@ -20,6 +20,7 @@ work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 
 cat >"$work/tables.c" <<'END'
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 #include "coupling/coupling.h"
@@ -36,7 +37,7 @@ static void print_default(const part_param *p) {
     printf("%s", p->choices[(int)p->def[0]]);
   } else if (p->type == PART_PARAM_BOOL) {
     printf("%s", p->def[0] != 0.0 ? "on" : "off");
-  } else if (p->type == PART_PARAM_WORD) {
+  } else if (p->type == PART_PARAM_WORD || (p->type == PART_PARAM_SCALAR && isnan(p->def[0]))) {
     printf("none");
   } else {
     printf("%.6g", p->def[0]);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Contact of particles: one loop over the pair list, stamped for every law, with and without the
- * tangential part.
+/* Contact of particles: one loop over the pair list, stamped for every law and combination of parts
+ * (law.h).
  *
  * The contact point divides the distance of the centres as the radii do (the middle of the overlap
  * of equal spheres), so that force and torque conserve angular momentum exactly: the two arms add
@@ -17,7 +17,8 @@
 #define DEM_ALWAYS_INLINE static inline
 #endif
 
-typedef void law_function(const dem_coefs *, const dem_touch *, int, double, double *, double *);
+typedef void pair_law(const dem_coefs *, const dem_touch *, int parts, double dt, double *history,
+                      double *force, double *moment);
 
 /* v_i - v_j at the contact point; the arms are those of the two particles. */
 DEM_ALWAYS_INLINE void surface_velocity(const double *vi, const double *vj, const double n[3],
@@ -33,12 +34,15 @@ DEM_ALWAYS_INLINE void surface_velocity(const double *vi, const double *vj, cons
   }
 }
 
-DEM_ALWAYS_INLINE void add_force(double *ft, const double f[3], const double torque[3], double sign,
-                                 double arm, int tangential) {
+/* sign: 1 for i, -1 for j. */
+DEM_ALWAYS_INLINE void add_force(double *ft, const double f[3], const double torque[3],
+                                 const double moment[3], double sign, double arm, int parts) {
   for (int c = 0; c < 3; c++) {
     ft[c] += sign * f[c];
-    if (tangential)
+    if (parts & DEM_SLIDING)
       ft[4 + c] += arm * torque[c];
+    if (parts & DEM_ROLLING)
+      ft[4 + c] += sign * moment[c];
   }
 }
 
@@ -71,33 +75,37 @@ DEM_ALWAYS_INLINE double inverse_mass(const loop *in, int i, int j, const double
 }
 
 DEM_ALWAYS_INLINE void one_pair(const loop *in, int i, int j, double d2, const double d[3],
-                                double *spring, law_function *law, int tangential, double dt) {
+                                double *history, pair_law *law, int parts, double dt) {
   const double *vi = in->vm + DEM_VM * (size_t)i, *vj = in->vm + DEM_VM * (size_t)j;
   const double ri = in->xr[DEM_XR * (size_t)i + 3], rj = in->xr[DEM_XR * (size_t)j + 3];
   const double distance = sqrt(d2), inverse = 1.0 / distance;
   dem_touch touch;
-  double force[3], torque[3] = {0.0, 0.0, 0.0};
+  double force[3], torque[3] = {0.0, 0.0, 0.0}, moment[3] = {0.0, 0.0, 0.0};
   touch.overlap = ri + rj - distance;
-  for (int c = 0; c < 3; c++)
+  touch.radius = ri * rj / (ri + rj);
+  touch.touches = 1;
+  for (int c = 0; c < 3; c++) {
     touch.n[c] = d[c] * inverse;
+    touch.spin[c] = vi[4 + c] - vj[4 + c];
+  }
   touch.inverse_root = sqrt(inverse_mass(in, i, j, touch.n));
   touch.root_mass = 1.0 / touch.inverse_root;
-  touch.touches = 1;
   const double share = distance / (ri + rj), arm_i = share * ri, arm_j = share * rj;
-  surface_velocity(vi, vj, touch.n, arm_i, arm_j, tangential, touch.v);
-  law(&in->coefs[(int)vi[7] * in->materials + (int)vj[7]], &touch, tangential, dt, spring, force);
-  if (tangential) {
+  surface_velocity(vi, vj, touch.n, arm_i, arm_j, parts & DEM_SLIDING, touch.v);
+  law(&in->coefs[(int)vi[7] * in->materials + (int)vj[7]], &touch, parts, dt, history, force,
+      moment);
+  if (parts & DEM_SLIDING) {
     /* -n x F: the normal part of F drops out. */
     torque[0] = touch.n[2] * force[1] - touch.n[1] * force[2];
     torque[1] = touch.n[0] * force[2] - touch.n[2] * force[0];
     torque[2] = touch.n[1] * force[0] - touch.n[0] * force[1];
   }
-  add_force(in->ft + DEM_FT * (size_t)i, force, torque, 1.0, arm_i, tangential);
+  add_force(in->ft + DEM_FT * (size_t)i, force, torque, moment, 1.0, arm_i, parts);
   if (j < in->local)
-    add_force(in->ft + DEM_FT * (size_t)j, force, torque, -1.0, arm_j, tangential);
+    add_force(in->ft + DEM_FT * (size_t)j, force, torque, moment, -1.0, arm_j, parts);
 }
 
-DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, law_function *law, int tangential, double dt) {
+DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, pair_law *law, int parts, double dt) {
   const loop in = {.xr = dem_xr(dem),
                    .vm = dem_vm(dem),
                    .ft = dem_ft(dem),
@@ -110,7 +118,8 @@ DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, law_function *law, int tangential, 
   const int *restrict start = pairs->start, *restrict partner = pairs->partner;
   double *restrict data = pairs->data;
   const int rows = pairs->rows;
-  double nothing[DEM_SPRING] = {0.0, 0.0, 0.0};
+  double nothing[DEM_HISTORY] = {0.0};
+  const size_t width = DEM_HISTORY_WIDTH(parts);
   for (int i = 0; i < rows; i++) {
     const double *xi = in.xr + DEM_XR * (size_t)i;
     const int end = start[i + 1];
@@ -119,53 +128,47 @@ DEM_ALWAYS_INLINE void pair_loop(dem_t *dem, law_function *law, int tangential, 
       const double *xj = in.xr + DEM_XR * (size_t)j;
       const double d[3] = {xi[0] - xj[0], xi[1] - xj[1], xi[2] - xj[2]};
       const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], reach = xi[3] + xj[3];
-      double *spring = tangential ? &data[DEM_SPRING * (size_t)k] : nothing;
+      double *history = width > 0 ? &data[width * (size_t)k] : nothing;
       if (d2 < reach * reach && d2 > 0.0)
-        one_pair(&in, i, j, d2, d, spring, law, tangential, dt);
-      else if (tangential)
-        spring[0] = spring[1] = spring[2] = 0.0;
+        one_pair(&in, i, j, d2, d, history, law, parts, dt);
+      else
+        for (size_t c = 0; c < width; c++)
+          history[c] = 0.0;
     }
   }
 }
 
-#define DEM_LAW(name, key, meaning)                                                                \
-  DEM_ALWAYS_INLINE void law_##name(const dem_coefs *coefs, const dem_touch *touch,                \
-                                    int tangential, double dt, double *spring, double *force) {    \
-    const dem_lane_coefs lane = dem_lane_coefs_of(coefs);                                          \
-    dem_law_##name(&lane, touch, tangential, dt, spring, force);                                   \
-  }                                                                                                \
-  static void pairs_##name(dem_t *dem, double dt) {                                                \
-    pair_loop(dem, law_##name, 0, dt);                                                             \
-  }                                                                                                \
-  static void pairs_##name##_tangential(dem_t *dem, double dt) {                                   \
-    pair_loop(dem, law_##name, 1, dt);                                                             \
+#define DEM_VARIANT(name, parts)                                                                   \
+  static void pairs_##name##_##parts(dem_t *dem, double dt) {                                      \
+    pair_loop(dem, law_##name, parts, dt);                                                         \
   }
+#define DEM_LAW(name, key, meaning)                                                                \
+  DEM_ALWAYS_INLINE void law_##name(const dem_coefs *coefs, const dem_touch *touch, int parts,     \
+                                    double dt, double *history, double *force, double *moment) {   \
+    const dem_lane_coefs lane = dem_lane_coefs_of(coefs);                                          \
+    dem_contact_force(dem_law_##name, &lane, touch, parts, dt, history, force, moment);            \
+  }                                                                                                \
+  DEM_VARIANTS(DEM_VARIANT, name)
 #include "dem/contact_laws.def"
 #undef DEM_LAW
+#undef DEM_VARIANT
 
-static void (*const stamped[DEM_LAW_COUNT][2])(dem_t *, double) = {
-#define DEM_LAW(name, key, meaning) {pairs_##name, pairs_##name##_tangential},
+static void (*const stamped[DEM_LAW_COUNT][DEM_PARTS])(dem_t *, double) = {
+#define DEM_VARIANT(name, parts) [parts] = pairs_##name##_##parts,
+#define DEM_LAW(name, key, meaning) {DEM_VARIANTS(DEM_VARIANT, name)},
 #include "dem/contact_laws.def"
 #undef DEM_LAW
+#undef DEM_VARIANT
 };
 
-static void pairs_any(dem_t *dem, double dt) {
-  pair_loop(dem, dem_laws_any, 0, dt);
-}
-static void pairs_any_tangential(dem_t *dem, double dt) {
-  pair_loop(dem, dem_laws_any, 1, dt);
-}
-
 void dem_pair_forces(dem_t *dem, double dt) {
-  const int law = dem_common_law(dem), tangential = dem->plan.tangential;
+  const int law = dem_common_law(dem), parts = dem_parts(dem);
   if (dem->fast.kernels != NULL)
     dem_fast_forces(dem, dt);
   else if (law >= 0)
-    stamped[law][tangential](dem, dt);
-  else if (tangential)
-    pairs_any_tangential(dem, dt);
+    stamped[law][parts](dem, dt);
   else
-    pairs_any(dem, dt);
+    pair_loop(dem, dem_laws_any, parts, dt);
 }
 
 int dem_pair_list_filter(dem_t *dem) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Life of a dem_t, its materials and contacts, and the small queries. */
 #include "internal.h"
+#include "laws.h"
 
 static const char *const stage_names[DEM_STAGE_COUNT] = {
     "integrate", "contact", "walls", "neighbours", "ghosts", "blocks", "clumps", "bonds"};
@@ -116,6 +117,10 @@ int dem_add_material(dem_t *dem, const dem_material *material, int *number) {
                      PART_PARAM_WORD_LENGTH - 1);
   if (part_params_check(&dem_material_table, material) != PART_OK)
     return part_fail_context(PART_ERR_RANGE, "material %s", material->name);
+  const double nu = material->poisson_ratio;
+  if (!(material->youngs_modulus > 0.0) && !isnan(nu) && nu != 0.0)
+    return part_fail(PART_ERR_RANGE, "material %s: entry poissonRatio is given without youngsModulus",
+                     material->name);
   for (int m = 0; m < dem->materials; m++)
     if (strcmp(dem->material[m].name, material->name) == 0)
       return part_fail(PART_ERR_ARGUMENT, "material %s is given twice", material->name);
@@ -151,6 +156,7 @@ int dem_find_material(const dem_t *dem, const char *name, int *number) {
 int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact) {
   PART_TRY(not_started(dem, "dem_set_contact"));
   PART_TRY(part_params_check(&dem_contact_table, contact));
+  PART_TRY(dem_laws_check(contact));
   const int every = a == -1 && b == -1;
   if (!every && (a < 0 || b < 0 || a >= dem->materials || b >= dem->materials))
     return part_fail(PART_ERR_RANGE,

@@ -35,8 +35,8 @@ void dem_fast_choose(dem_t *dem) {
 void dem_fast_free(dem_fast *fast) {
   free(fast->i);
   free(fast->j);
-  for (int c = 0; c < 3; c++)
-    free(fast->spring[c]);
+  for (int c = 0; c < DEM_HISTORY; c++)
+    free(fast->history[c]);
   free(fast->was);
   free(fast->kick);
 }
@@ -57,13 +57,14 @@ static int make_room(dem_t *dem, size_t n) {
   n += n / 4 + DEM_BLOCK_PAIRS;
   dem_fast_free(fast);
   fast->i = fast->j = NULL;
-  fast->spring[0] = fast->spring[1] = fast->spring[2] = fast->kick = NULL;
+  memset(fast->history, 0, sizeof fast->history);
+  fast->kick = NULL;
   fast->was = NULL;
   fast->room = 0;
   PART_TRY(aligned(n * sizeof *fast->i, &fast->i));
   PART_TRY(aligned(n * sizeof *fast->j, &fast->j));
-  for (int c = 0; c < 3; c++)
-    PART_TRY(aligned(n * sizeof *fast->spring[c], &fast->spring[c]));
+  for (int c = 0; c < DEM_HISTORY_WIDTH(dem_parts(dem)); c++)
+    PART_TRY(aligned(n * sizeof *fast->history[c], &fast->history[c]));
   PART_TRY(aligned(n / DEM_BLOCK_PAIRS + 1, &fast->was));
   PART_TRY(aligned(4 * (size_t)dem->materials * sizeof *fast->kick, &fast->kick));
   fast->room = n;
@@ -99,11 +100,12 @@ int dem_fast_list(dem_t *dem) {
   fast->sparse = flatten(dem, fast->i, fast->j) < dense_share * n;
   for (int k = n; k < fast->pairs; k++)
     fast->i[k] = fast->j[k] = 0;
-  for (int c = 0; c < 3; c++) {
-    double *to = fast->spring[c];
+  const int width = pairs->data_width;
+  for (int c = 0; c < width; c++) {
+    double *to = fast->history[c];
     const double *from = pairs->data + c;
     for (int k = 0; k < fast->pairs; k++)
-      to[k] = dem->plan.tangential && k < n ? from[DEM_SPRING * (size_t)k] : 0.0;
+      to[k] = k < n ? from[(size_t)width * (size_t)k] : 0.0;
   }
   memset(fast->was, 255, (size_t)fast->pairs / DEM_BLOCK_PAIRS);
   return PART_OK;
@@ -112,12 +114,13 @@ int dem_fast_list(dem_t *dem) {
 void dem_fast_return(const dem_t *dem) {
   const part_pairs *pairs = dem->pairs;
   const dem_fast *fast = &dem->fast;
-  if (fast->kernels == NULL || !dem->plan.tangential || pairs->data_width == 0)
+  const int width = pairs->data_width;
+  if (fast->kernels == NULL || width == 0)
     return;
   const int n = pairs->start[pairs->rows];
   for (int k = 0; k < n; k++)
-    for (int c = 0; c < DEM_SPRING; c++)
-      pairs->data[DEM_SPRING * (size_t)k + (size_t)c] = fast->spring[c][k];
+    for (int c = 0; c < width; c++)
+      pairs->data[(size_t)width * (size_t)k + (size_t)c] = fast->history[c][k];
 }
 
 int dem_fast_limit(dem_t *dem, int width) {
@@ -156,16 +159,16 @@ void dem_fast_leave(dem_t *dem) {
 static dem_lanes lanes_of(const dem_t *dem, double dt) {
   const dem_fast *fast = &dem->fast;
   const int any = dem->store->local > 0;
+  double *const *h = fast->history;
   return (dem_lanes){.xr = dem_xr(dem),
                      .vm = dem_vm(dem),
                      .ft = dem_ft(dem),
                      .i = fast->i,
                      .j = fast->j,
-                     .spring = {fast->spring[0], fast->spring[1], fast->spring[2]},
+                     .history = {h[0], h[1], h[2], h[3], h[4], h[5]},
                      .was = fast->was,
                      .coefs = dem->coefs,
                      .materials = dem->materials,
-                     .tangential = dem->plan.tangential,
                      .equal = fast->equal,
                      .reach = any ? 2.0 * dem_xr(dem)[3] : 0.0,
                      .inverse = any ? 2.0 * dem_vm(dem)[3] : 0.0,
@@ -177,8 +180,9 @@ static dem_lanes lanes_of(const dem_t *dem, double dt) {
 static void run_chunks(dem_t *dem, double dt, dem_motion *motion) {
   const dem_fast *fast = &dem->fast;
   const dem_lanes lanes = lanes_of(dem, dt);
-  const dem_pairs_kernel kernel =
-      fast->sparse ? fast->kernels->sparse[fast->law] : fast->kernels->dense[fast->law];
+  const dem_pairs_kernel kernel = fast->sparse
+                                      ? fast->kernels->sparse[fast->law][dem_parts(dem)]
+                                      : fast->kernels->dense[fast->law][dem_parts(dem)];
   const int *start = dem->pairs->start, rows = dem->pairs->rows;
   int done = 0;
   for (int from = 0; from < fast->pairs; from += DEM_CHUNK_PAIRS) {

@@ -25,10 +25,10 @@ typedef struct dem_lanes {
   const double *xr, *vm;
   double *ft;
   int *i, *j;         /* [pairs, padded with i = j = 0] */
-  double *spring[3];  /* [pairs, padded] m */
-  unsigned char *was; /* [blocks] sparse only: pairs whose spring may not be zero */
+  double *history[6]; /* [pairs, padded] m; springs of sliding, then of rolling */
+  unsigned char *was; /* [blocks] sparse only: pairs whose history may not be zero */
   const struct dem_coefs *coefs;
-  int materials, tangential;
+  int materials;
   int equal;      /* one material and one radius: what follows from them is known beforehand */
   double reach;   /* m, sum of radii; equal only */
   double inverse; /* 1/kg, sum of inverse masses; equal only */
@@ -50,9 +50,9 @@ typedef void (*dem_pairs_kernel)(const dem_lanes *lanes, int from, int to);
 
 typedef struct dem_kernels {
   int width;
-  /* [law] Pairs from .. to-1, multiples of 8. dense: every block goes through the law with lanes
-   * masked; sparse: at most a chunk; pairs that touch are packed first. */
-  const dem_pairs_kernel *dense, *sparse;
+  /* [law][parts (law.h)] Pairs from .. to-1, multiples of 8. dense: every block goes through the
+   * law with lanes masked; sparse: at most a chunk; pairs that touch are packed first. */
+  const dem_pairs_kernel (*dense)[8], (*sparse)[8];
   void (*move)(dem_motion *motion, int from, int to);
 } dem_kernels;
 
@@ -69,7 +69,7 @@ typedef struct dem_fast {
   int sparse;
   int pairs; /* padded */
   int *i, *j;
-  double *spring[3], *kick;
+  double *history[6], *kick;
   unsigned char *was;
   size_t room;
 } dem_fast;

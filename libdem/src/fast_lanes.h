@@ -59,6 +59,16 @@ static inline void add_8(double *record, const int *i, const int *j, vec sign, v
   }
 }
 
+/* record[i] += v, record[j] += w. */
+static inline void add_8_two(double *record, const int *i, const int *j, vec v[8], vec w[8]) {
+  transpose_8(v);
+  transpose_8(w);
+  for (int k = 0; k < 8; k++) {
+    *(vec *)(record + 8 * (long)i[k]) += v[k];
+    *(vec *)(record + 8 * (long)j[k]) += w[k];
+  }
+}
+
 static inline vec sign_8(double a, double b, double last) {
   return (vec){a, a, a, b, 1.0, 1.0, 1.0, last};
 }
@@ -101,6 +111,19 @@ static inline void add_8(double *record, const int *i, const int *j, halves sign
     b[0] += sign.lo * lo[k];
     b[1] += sign.hi * hi[k];
   }
+}
+
+static inline void add_8_two(double *record, const int *i, const int *j, vec v[8], vec w[8]) {
+  quad own[2][4], other[2][4];
+  for (int half = 0; half < 2; half++) {
+    to_lanes_4(v + 4 * half, own[half]);
+    to_lanes_4(w + 4 * half, other[half]);
+  }
+  for (int k = 0; k < 4; k++)
+    for (int half = 0; half < 2; half++) {
+      *(quad *)(record + 8 * (long)i[k] + 4 * half) += own[half][k];
+      *(quad *)(record + 8 * (long)j[k] + 4 * half) += other[half][k];
+    }
 }
 
 static inline halves sign_8(double a, double b, double last) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What particles carry along when they are sorted, migrate or are written: the payload. Entries of
- * pairs are those of part_pairs_gather; the others come from the carriers. */
+ * pairs are those of part_pairs_gather, each cut in two where pairs have six values; the others
+ * come from the carriers. */
 #include "internal.h"
 
 static const dem_carrier *const carriers[] = {&dem_walls_carrier, &dem_bonds_carrier,
@@ -12,6 +13,11 @@ int dem_history_needed(const dem_t *dem) {
   for (int k = 0; k < CARRIERS && !needed; k++)
     needed = carriers[k]->active(dem);
   return needed;
+}
+
+/* Entries that a pair needs. */
+static int pair_entries(const dem_t *dem) {
+  return dem->pairs->data_width / DEM_SPRING;
 }
 
 static int by_key(const void *a, const void *b) {
@@ -31,9 +37,22 @@ static void sort_entries(dem_entry *entry, ptrdiff_t n) {
   }
 }
 
+/* n entries of part_pairs_gather in this form; returns the end. */
+static dem_entry *put_pairs(const dem_t *dem, const unsigned char *pair, int n, dem_entry *to) {
+  const size_t size = part_pairs_entry_size(dem->pairs);
+  for (int k = 0; k < n; k++, pair += size)
+    for (int half = 0; half < pair_entries(dem); half++, to++) {
+      int64_t id;
+      memcpy(&id, pair, sizeof id);
+      to->key = DEM_KEY(half == 0 ? DEM_KEY_PAIR : DEM_KEY_ROLL, id);
+      memcpy(to->value, pair + sizeof id + (size_t)half * sizeof to->value, sizeof to->value);
+    }
+  return to;
+}
+
 /* Join the entries of pairs (NULL: none) and of the carriers, particle by particle, sorted by key
  * so that nothing depends on the order of rows. */
-static int join(const dem_t *dem, const int *pair_count, const dem_entry *pair, int *count,
+static int join(const dem_t *dem, const int *pair_count, const unsigned char *pair, int *count,
                 dem_entry **entries) {
   const int n = dem->store->local;
   size_t total = 0;
@@ -41,7 +60,7 @@ static int join(const dem_t *dem, const int *pair_count, const dem_entry *pair, 
     if (carriers[k]->active(dem))
       carriers[k]->count(dem, count);
   for (int i = 0; i < n; i++) {
-    count[i] += pair_count != NULL ? pair_count[i] : 0;
+    count[i] += pair_count != NULL ? pair_count[i] * pair_entries(dem) : 0;
     total += (size_t)count[i];
   }
   PART_TRY(dem_allocate(total, sizeof **entries, entries));
@@ -49,9 +68,8 @@ static int join(const dem_t *dem, const int *pair_count, const dem_entry *pair, 
   for (int i = 0; i < n; i++) {
     dem_entry *first = to;
     if (pair_count != NULL) {
-      memcpy(to, pair, (size_t)pair_count[i] * sizeof *to);
-      to += pair_count[i];
-      pair += pair_count[i];
+      to = put_pairs(dem, pair, pair_count[i], to);
+      pair += (size_t)pair_count[i] * part_pairs_entry_size(dem->pairs);
     }
     for (int k = 0; k < CARRIERS; k++)
       if (carriers[k]->active(dem))
@@ -78,6 +96,49 @@ int dem_history_gather(const dem_t *dem, int **count, void **payload) {
   *payload = entries;
   free(pair_count);
   free(pair);
+  return status;
+}
+
+/* Halves of one particle's n entries, sorted by key, put together; returns how many pairs. */
+static int join_halves(const dem_entry *entry, int n, unsigned char *pair, size_t size) {
+  int pairs = 0;
+  for (int k = 0, roll = 0; k < n; k++) {
+    if (entry[k].key < 0 || DEM_KEY_KIND(entry[k].key) != DEM_KEY_PAIR)
+      continue;
+    const int64_t other = DEM_KEY(DEM_KEY_ROLL, DEM_KEY_NUMBER(entry[k].key));
+    while (roll < n && entry[roll].key < other)
+      roll++;
+    unsigned char *to = pair + size * (size_t)pairs++;
+    memcpy(to, &entry[k].key, sizeof entry[k].key);
+    memcpy(to + sizeof entry[k].key, entry[k].value, sizeof entry[k].value);
+    if (roll < n && entry[roll].key == other)
+      memcpy(to + sizeof(dem_entry), entry[roll].value, sizeof entry[roll].value);
+  }
+  return pairs;
+}
+
+int dem_history_scatter(dem_t *dem, const int *count, const void *payload) {
+  const size_t size = part_pairs_entry_size(dem->pairs);
+  const dem_entry *entry = payload;
+  size_t total = 0, used = 0;
+  int *pairs = NULL, status;
+  unsigned char *joined = NULL;
+  if (pair_entries(dem) == 1) /* keys of pairs are their ids; others are not found */
+    return part_pairs_scatter(dem->pairs, dem->store, count, payload);
+  for (int i = 0; i < dem->store->local; i++)
+    total += (size_t)count[i];
+  status = dem_allocate((size_t)dem->store->local, sizeof *pairs, &pairs);
+  if (status == PART_OK)
+    status = dem_allocate(total, size, &joined);
+  for (int i = 0; status == PART_OK && i < dem->store->local; i++) {
+    pairs[i] = join_halves(entry, count[i], joined + used * size, size);
+    used += (size_t)pairs[i];
+    entry += count[i];
+  }
+  if (status == PART_OK)
+    status = part_pairs_scatter(dem->pairs, dem->store, pairs, joined);
+  free(pairs);
+  free(joined);
   return status;
 }
 

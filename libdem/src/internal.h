@@ -20,7 +20,6 @@
 
 /* Strides of the records, as in particle_fields.def. */
 enum { DEM_XR = 4, DEM_VM = 8, DEM_FT = 8, DEM_FLUID = 8, DEM_META = 4 };
-enum { DEM_SPRING = 3 }; /* doubles of tangential history per pair */
 
 typedef struct dem_given_contact {
   int a, b;
@@ -48,7 +47,9 @@ typedef struct dem_seed {
 
 /* What can be left out, worked out by dem_start. */
 typedef struct dem_plan {
-  int tangential; /* friction somewhere: rotation and tangential history */
+  int tangential; /* friction or rolling resistance somewhere: rotation and tangential history */
+  int rolling;    /* rolling resistance somewhere */
+  int cohesion;   /* attraction somewhere */
   int pairs;      /* two bodies that can touch: neighbour lists and ghosts */
   int walls;      /* walls and something that moves */
   int horizon;    /* one step when no contact can happen before its end */
@@ -114,6 +115,9 @@ struct dem_t {
   dem_plan plan;
   dem_fast fast;
   double time, stable_step;
+  double impact_speed; /* m/s, given or worked out */
+  double contact_time; /* s, the shortest */
+  int shortest[2];     /* materials that have it */
   double r_min, r_max, r_mean, skin;
   part_levels levels;       /* of radii */
   double skin_most;         /* m, largest that adapt_skin may choose */
@@ -160,6 +164,11 @@ static inline int dem_kind_of(const dem_t *dem, int i) {
 static inline int dem_block_of(const dem_t *dem, int i) {
   return (int)dem_meta(dem)[DEM_META * (size_t)i + 2];
 }
+/* Parts of contacts that the scene needs (law.h). */
+static inline int dem_parts(const dem_t *dem) {
+  return (dem->plan.tangential ? DEM_SLIDING : 0) | (dem->plan.rolling ? DEM_ROLLING : 0) |
+         (dem->plan.cohesion ? DEM_COHESION : 0);
+}
 static inline int dem_material_of(const dem_t *dem, int i) {
   return (int)dem_vm(dem)[DEM_VM * (size_t)i + 7];
 }
@@ -183,6 +192,17 @@ int dem_grow(size_t count, size_t size, size_t *capacity, void *pointer_to_point
  */
 /* Collective. Radii, skin, coefficients, plan and stable step from the particles present. */
 int dem_make_plan(dem_t *dem);
+
+/* ---- materials.c -------------------------------------------------------------------------------
+ */
+/* Checks what is given, works out impact_speed from the largest speed now (m/s), empties coefs. */
+int dem_materials_begin(dem_t *dem, double speed);
+/* Coefficients of a pair, and what it needs of the plan. ERR_RANGE when something lacks and
+ * can_happen. */
+int dem_materials_pair(dem_t *dem, int a, int b, int can_happen);
+/* Shortens contact_time to that of a pair. Inverse masses (1/kg) of the lightest that may meet, 0:
+ * does not give way. */
+void dem_materials_time(dem_t *dem, int a, int b, double inverse_a, double inverse_b);
 
 /* ---- report.c ----------------------------------------------------------------------------------
  */
@@ -225,6 +245,8 @@ extern const dem_carrier dem_walls_carrier, dem_bonds_carrier, dem_clumps_carrie
 
 int dem_history_needed(const dem_t *dem); /* the same on every rank */
 int dem_history_gather(const dem_t *dem, int **count, void **payload);
+/* Entries of pairs into the list of pairs. */
+int dem_history_scatter(dem_t *dem, const int *count, const void *payload);
 /* Sort own particles by cells; the payload comes along. */
 int dem_history_sort(dem_t *dem, int *count, void *payload);
 

@@ -3,8 +3,9 @@
 #ifndef DEM_LAWS_H
 #define DEM_LAWS_H
 
-#include "law.h"
+#include "contact_force.h"
 
+#include "laws/hertz_mindlin.h"
 #include "laws/linear_spring_dashpot.h"
 
 enum dem_law_number {
@@ -14,25 +15,59 @@ enum dem_law_number {
   DEM_LAW_COUNT
 };
 
-static inline void dem_laws_coefs(const dem_contact *contact, dem_coefs *coefs) {
-  coefs->law = contact->law;
+/* ERR_RANGE: the contact gives what its law does not use. */
+static inline int dem_laws_check(const dem_contact *contact) {
   switch (contact->law) {
 #define DEM_LAW(name, key, meaning)                                                                \
   case DEM_LAW_##name:                                                                             \
-    dem_law_##name##_coefs(contact, coefs);                                                        \
-    break;
+    return dem_law_##name##_check(contact);
 #include "dem/contact_laws.def"
 #undef DEM_LAW
   default:
-    break;
+    return PART_OK;
   }
 }
 
-static inline double dem_laws_time(const dem_coefs *coefs, double inverse_mass) {
+/* Does the law take elastic constants from the materials? */
+static inline int dem_laws_elastic(const dem_contact *contact) {
+  switch (contact->law) {
+#define DEM_LAW(name, key, meaning)                                                                \
+  case DEM_LAW_##name:                                                                             \
+    return dem_law_##name##_elastic(contact);
+#include "dem/contact_laws.def"
+#undef DEM_LAW
+  default:
+    return 0;
+  }
+}
+
+/* ERR_RANGE: a material lacks what the law needs. */
+static inline int dem_laws_coefs(const dem_pairing *pairing, dem_coefs *coefs) {
+  const double pi = 3.14159265358979323846;
+  const dem_contact *contact = pairing->contact;
+  coefs->law = contact->law;
+  coefs->tangential_mass = pairing->tangential_mass;
+  coefs->mu = contact->friction;
+  coefs->mu_roll = contact->rolling_friction;
+  coefs->pull = 2.0 * pi * contact->work_of_adhesion;
+  switch (contact->law) {
+#define DEM_LAW(name, key, meaning)                                                                \
+  case DEM_LAW_##name:                                                                             \
+    return dem_law_##name##_coefs(pairing, coefs);
+#include "dem/contact_laws.def"
+#undef DEM_LAW
+  default:
+    return PART_OK;
+  }
+}
+
+/* Contact time (s): inverse_mass 1/m_eff, reduced radius, impact speed. */
+static inline double dem_laws_time(const dem_coefs *coefs, double inverse_mass, double radius,
+                                   double speed) {
   switch (coefs->law) {
 #define DEM_LAW(name, key, meaning)                                                                \
   case DEM_LAW_##name:                                                                             \
-    return dem_law_##name##_time(coefs, inverse_mass);
+    return dem_law_##name##_time(coefs, inverse_mass, radius, speed);
 #include "dem/contact_laws.def"
 #undef DEM_LAW
   default:
@@ -42,21 +77,23 @@ static inline double dem_laws_time(const dem_coefs *coefs, double inverse_mass) 
 
 #if DEM_WIDTH == 1
 static inline dem_lane_coefs dem_lane_coefs_of(const dem_coefs *coefs) {
-  return (dem_lane_coefs){coefs->k_n, coefs->k_t, coefs->c_n, coefs->c_t, coefs->mu};
+  return (dem_lane_coefs){coefs->k_n, coefs->k_t,     coefs->c_n,  coefs->c_t,
+                          coefs->mu,  coefs->mu_roll, coefs->pull, coefs->tangential_mass};
 }
 
-static inline void dem_laws_any(const dem_coefs *coefs, const dem_touch *touch, int tangential,
-                                double dt, double spring[3], double force[3]) {
+static inline void dem_laws_any(const dem_coefs *coefs, const dem_touch *touch, int parts,
+                                double dt, double *history, double force[3], double moment[3]) {
   const dem_lane_coefs lane = dem_lane_coefs_of(coefs);
   switch (coefs->law) {
 #define DEM_LAW(name, key, meaning)                                                                \
   case DEM_LAW_##name:                                                                             \
-    dem_law_##name(&lane, touch, tangential, dt, spring, force);                                   \
+    dem_contact_force(dem_law_##name, &lane, touch, parts, dt, history, force, moment);            \
     break;
 #include "dem/contact_laws.def"
 #undef DEM_LAW
   default:
     force[0] = force[1] = force[2] = 0.0;
+    moment[0] = moment[1] = moment[2] = 0.0;
     break;
   }
 }

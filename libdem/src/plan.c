@@ -3,7 +3,6 @@
 #include <stdio.h>
 
 #include "internal.h"
-#include "laws.h"
 
 /* What one material is part of, over all ranks. */
 typedef struct presence {
@@ -12,7 +11,7 @@ typedef struct presence {
 } presence;
 
 typedef struct scene {
-  double free, fixed, blocks, clumps, r_max, r_sum, r_min;
+  double free, fixed, blocks, clumps, r_max, r_sum, r_min, v_max;
   presence *of; /* [materials] */
 } scene;
 
@@ -46,6 +45,8 @@ static void survey_own(const dem_t *dem, scene *s) {
     s->r_sum += r;
     s->r_max = fmax(s->r_max, r);
     s->r_min = fmin(s->r_min, r);
+    const double *v = dem_vm(dem) + DEM_VM * (size_t)i;
+    s->v_max = fmax(s->v_max, sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
     if (dem_kind_of(dem, i) == DEM_FIXED) {
       p->fixed = s->fixed = 1.0;
     } else if (dem_kind_of(dem, i) == DEM_CLUMP) {
@@ -63,17 +64,19 @@ static void survey_own(const dem_t *dem, scene *s) {
 
 static int join_ranks(const dem_t *dem, scene *s, double *all) {
   const int n = dem->materials;
-  double sums[3] = {s->free, s->r_sum, s->clumps}, most[3] = {s->fixed, s->r_max, -s->r_min};
+  double sums[3] = {s->free, s->r_sum, s->clumps};
+  double most[4] = {s->fixed, s->r_max, -s->r_min, s->v_max};
   MPI_Allgather(s->of, (int)sizeof(presence) * n, MPI_BYTE, all, (int)sizeof(presence) * n,
                 MPI_BYTE, dem->comm);
   MPI_Allreduce(MPI_IN_PLACE, sums, 3, MPI_DOUBLE, MPI_SUM, dem->comm);
-  MPI_Allreduce(MPI_IN_PLACE, most, 3, MPI_DOUBLE, MPI_MAX, dem->comm);
+  MPI_Allreduce(MPI_IN_PLACE, most, 4, MPI_DOUBLE, MPI_MAX, dem->comm);
   *s = (scene){.free = sums[0],
                .fixed = most[0],
                .clumps = sums[2],
                .r_max = most[1],
                .r_sum = sums[1],
                .r_min = -most[2],
+               .v_max = most[3],
                .of = s->of};
   memset(s->of, 0, (size_t)n * sizeof *s->of);
   for (int k = 0; k < n * dem->ranks; k++) {
@@ -102,40 +105,7 @@ static int survey(const dem_t *dem, scene *s) {
   return status;
 }
 
-static int set_coefs(dem_t *dem) {
-  const int n = dem->materials;
-  PART_TRY(dem_allocate((size_t)n * (size_t)n, sizeof *dem->coefs, &dem->coefs));
-  for (int k = 0; k < n * n; k++) {
-    dem->coefs[k].law = -1;
-    dem->coefs[k].tangential_mass = dem->shape.tangential_mass;
-  }
-  for (int every = 1; every >= 0; every--) /* the general one first, the particular ones over it */
-    for (int k = 0; k < dem->given_contacts; k++) {
-      const dem_given_contact *g = &dem->given[k];
-      if ((g->a == -1) != every)
-        continue;
-      for (int p = 0; p < n * n; p++)
-        if (every || (p / n == g->a && p % n == g->b) || (p / n == g->b && p % n == g->a))
-          dem_laws_coefs(&g->contact, &dem->coefs[p]);
-    }
-  return PART_OK;
-}
-
-/* Shortest time over contacts that can happen; ERR_RANGE when one of them is not given. */
-static int contact_of(dem_t *dem, int a, int b, double inverse_mass, int can_happen,
-                      double *least) {
-  const dem_coefs *coefs = &dem->coefs[a * dem->materials + b];
-  if (!(inverse_mass > 0.0))
-    return PART_OK;
-  if (coefs->law < 0)
-    return !can_happen ? PART_OK
-                       : part_fail(PART_ERR_RANGE, "no contact is given for materials %s and %s",
-                                   dem->material[a].name, dem->material[b].name);
-  *least = fmin(*least, dem_laws_time(coefs, inverse_mass));
-  dem->plan.tangential |= coefs->mu > 0.0;
-  return PART_OK;
-}
-
+/* Coefficients and shortest time of the contacts that can happen; least: of motions of walls. */
 static int walk_contacts(dem_t *dem, const scene *s, int pairs, double *least) {
   const int all = !dem->params.skip;
   for (int a = 0; a < dem->materials; a++)
@@ -143,14 +113,21 @@ static int walk_contacts(dem_t *dem, const scene *s, int pairs, double *least) {
       const presence *p = &s->of[a], *q = &s->of[b];
       const double bodies = p->free + p->fixed + p->blocks, others = q->free + q->fixed + q->blocks;
       const int can = pairs && (a == b ? bodies >= 2.0 : bodies > 0.0 && others > 0.0);
-      const double w = a == b ? p->light[0] + p->light[1] : p->light[0] + q->light[0];
-      if (can || all)
-        PART_TRY(contact_of(dem, a, b, w, can, least));
+      const int moves = p->light[0] + q->light[0] > 0.0;
+      if (!moves || !(can || all))
+        continue;
+      PART_TRY(dem_materials_pair(dem, a, b, can));
+      dem_materials_time(dem, a, b, p->light[0], a == b ? p->light[1] : q->light[0]);
     }
   for (int w = 0; w < dem->walls.count; w++) {
     PART_TRY(dem_wall_fits(dem, &dem->walls.wall[w], least));
-    for (int a = 0; a < dem->materials; a++)
-      PART_TRY(contact_of(dem, a, dem->walls.wall[w].material, s->of[a].light[0], 1, least));
+    for (int a = 0; a < dem->materials; a++) {
+      const int b = dem->walls.wall[w].material;
+      if (!(s->of[a].light[0] > 0.0))
+        continue;
+      PART_TRY(dem_materials_pair(dem, a, b, 1));
+      dem_materials_time(dem, a, b, s->of[a].light[0], 0.0);
+    }
   }
   return PART_OK;
 }
@@ -181,11 +158,13 @@ static int work_out(dem_t *dem, const scene *s) {
   if (!dem->restored) /* a sum over ranks has other bits on other ranks: the file has it */
     dem->r_mean = s->r_sum / (double)dem->total;
   set_skin(dem);
-  PART_TRY(set_coefs(dem));
   plan->bonds = dem->bonds.rules > 0;
+  plan->rolling = plan->cohesion = all;
   plan->tangential = all || plan->bonds;
+  dem->contact_time = HUGE_VAL;
+  PART_TRY(dem_materials_begin(dem, s->v_max));
   PART_TRY(walk_contacts(dem, s, pairs, &least));
-  dem->stable_step = dem->params.time_step_fraction * least;
+  dem->stable_step = dem->params.time_step_fraction * fmin(least, dem->contact_time);
   plan->pairs = pairs || all;
   plan->walls = dem->walls.count > 0 && (movable || all);
   plan->horizon = !all;
@@ -227,6 +206,12 @@ int dem_plan_text(const dem_t *dem, size_t size, char *text) {
   if (!plan->tangential)
     PART_TRY(add_line(size, text, "rotation and tangential history", "no friction in any contact",
                       "half of the contact law, 24 bytes a pair"));
+  if (!plan->rolling)
+    PART_TRY(add_line(size, text, "rolling resistance", "no rollingFriction in any contact",
+                      "a third of the contact law, 24 bytes a pair"));
+  if (!plan->cohesion)
+    PART_TRY(add_line(size, text, "cohesion", "no workOfAdhesion in any contact",
+                      "a few operations a pair"));
   if (!plan->pairs)
     PART_TRY(add_line(size, text, "neighbour lists and ghosts",
                       plan->movable ? "one body alone" : "nothing moves", "all of pair contact"));

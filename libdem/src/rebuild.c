@@ -27,7 +27,7 @@ static int make_pairs(dem_t *dem, const int *count, const void *payload) {
     PART_TRY(dem_bonds_list(dem, count, payload));
   PART_TRY(dem_pair_list_filter(dem));
   if (dem->plan.tangential && payload != NULL)
-    PART_TRY(part_pairs_scatter(dem->pairs, dem->store, count, payload));
+    PART_TRY(dem_history_scatter(dem, count, payload));
   return dem_fast_list(dem);
 }
 

@@ -5,7 +5,7 @@
 #include "internal.h"
 #include "particle/vtkhdf.h"
 
-enum { STATE_VALUES = 13, BLOCK_VALUES = 11, BUDGET_VALUES = 33, BROKEN_VALUES = 5 };
+enum { STATE_VALUES = 14, BLOCK_VALUES = 11, BUDGET_VALUES = 33, BROKEN_VALUES = 5 };
 
 /* Values about bonds, 0 without them. */
 static int bond_values(const dem_t *dem) {
@@ -25,7 +25,8 @@ static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
                                        (double)dem->ranks,
                                        dem->skin,
                                        dem->shape.depth,
-                                       bond_values(dem)};
+                                       bond_values(dem),
+                                       dem->impact_speed};
   memcpy(value, packed, sizeof packed);
 }
 
@@ -344,6 +345,7 @@ static int unpack_state(dem_t *dem, const char *path, const double *value) {
   dem->generation = (long long)value[8] - 1;
   dem->restored_elsewhere = (int)value[9] != dem->ranks;
   dem->skin = value[10];
+  dem->impact_speed = value[13];
   return PART_OK;
 }
 

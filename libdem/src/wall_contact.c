@@ -159,6 +159,7 @@ static void hand_over(dem_walls *walls, int row, const dem_candidate *place, int
     }
     if (from != NULL) {
       memcpy(to->spring, from->spring, sizeof to->spring);
+      memcpy(to->roll, from->roll, sizeof to->roll);
       memset(from->n, 0, sizeof from->n);
       memset(from->spring, 0, sizeof from->spring);
     }
@@ -167,6 +168,7 @@ static void hand_over(dem_walls *walls, int row, const dem_candidate *place, int
     if (is_active(&walls->near[k]) && !is_kept(place, kept, k)) {
       memset(walls->near[k].n, 0, sizeof walls->near[k].n);
       memset(walls->near[k].spring, 0, sizeof walls->near[k].spring);
+      memset(walls->near[k].roll, 0, sizeof walls->near[k].roll);
     }
 }
 
@@ -211,22 +213,37 @@ static double inverse_mass(const dem_t *dem, int i, const double n[3]) {
          (kind == DEM_CLUMP ? dem_form(dem->clumps.turn + 6 * (size_t)i, n) : 0.0);
 }
 
+/* Of a contact with the surface. The curvature of a cylinder is along one direction; the area of a
+ * Hertzian contact goes with the root of the product of both. Edges and vertices count as flat. */
+static double reduced_radius(const dem_element *element, double r) {
+  if (element->shape != DEM_SHAPE_CYLINDER)
+    return r;
+  const double other = element->side == DEM_WALL_INSIDE ? -1.0 / element->radius
+                                                        : 1.0 / element->radius;
+  return 1.0 / sqrt((1.0 / r) * (1.0 / r + other));
+}
+
 static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt) {
   dem_near *near = &dem->walls.near[place->entry];
   const dem_element *element = &dem->walls.element[near->element];
   dem_wall *wall = &dem->walls.wall[element->wall];
-  const int tangential = dem->plan.tangential;
+  const int parts = dem_parts(dem);
   const double *vm = dem_vm(dem) + DEM_VM * (size_t)i, *n = place->n;
   const double *x = dem_xr(dem) + DEM_XR * (size_t)i;
-  double *ft = dem_ft(dem) + DEM_FT * (size_t)i, force[3], lever[3];
+  double *ft = dem_ft(dem) + DEM_FT * (size_t)i, force[3], moment[3] = {0.0, 0.0, 0.0}, lever[3];
+  double history[DEM_HISTORY];
   dem_touch touch;
   memcpy(touch.n, n, sizeof touch.n);
+  memcpy(history, near->spring, sizeof near->spring);
+  memcpy(history + DEM_SPRING, near->roll, sizeof near->roll);
   touch.inverse_root = sqrt(inverse_mass(dem, i, n));
   touch.root_mass = 1.0 / touch.inverse_root;
   touch.touches = 1;
   /* See fast.h for the units of spin and torque. */
   const double unit = dem->fast.spins ? 1.0 / x[3] : 1.0;
   const double w[3] = {vm[4] * unit, vm[5] * unit, vm[6] * unit};
+  memcpy(touch.spin, w, sizeof touch.spin);
+  touch.radius = reduced_radius(element, x[3]);
   touch.overlap = x[3] - place->gap;
   const double arm = place->gap + 0.5 * touch.overlap;
   touch.v[0] = vm[0] - arm * (w[1] * n[2] - w[2] * n[1]);
@@ -239,17 +256,19 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
     for (int c = 0; c < 3; c++)
       touch.v[c] -= v[c];
   }
-  dem_laws_any(&dem->coefs[(int)vm[7] * dem->materials + element->material], &touch, tangential, dt,
-               near->spring, force);
+  dem_laws_any(&dem->coefs[(int)vm[7] * dem->materials + element->material], &touch, parts, dt,
+               history, force, moment);
+  memcpy(near->spring, history, sizeof near->spring);
+  memcpy(near->roll, history + DEM_SPRING, sizeof near->roll);
   for (int c = 0; c < 3; c++) {
     ft[c] += force[c];
     near->n[c] = n[c];
   }
   add_to_wall(dem, wall, lever, force);
-  if (tangential) {
-    ft[4] += unit * arm * (n[2] * force[1] - n[1] * force[2]);
-    ft[5] += unit * arm * (n[0] * force[2] - n[2] * force[0]);
-    ft[6] += unit * arm * (n[1] * force[0] - n[0] * force[1]);
+  if (parts & DEM_SLIDING) {
+    ft[4] += unit * (moment[0] + arm * (n[2] * force[1] - n[1] * force[2]));
+    ft[5] += unit * (moment[1] + arm * (n[0] * force[2] - n[2] * force[0]));
+    ft[6] += unit * (moment[2] + arm * (n[1] * force[0] - n[0] * force[1]));
   }
 }
 

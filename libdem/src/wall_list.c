@@ -73,14 +73,18 @@ static int restore(dem_walls *walls, size_t first, size_t *used, int count,
   for (int k = 0; k < count; k++) {
     if (entry[k].key >= 0)
       continue;
-    const int64_t m = (-1 - entry[k].key) / 2;
+    const int64_t m = (-1 - entry[k].key) / 3;
+    const int part = (int)((-1 - entry[k].key) % 3);
     const int element = (int)(m / DEM_SHIFTS), shift = (int)(m % DEM_SHIFTS);
     size_t at = first;
     while (at < *used && (walls->near[at].element != element || walls->near[at].shift != shift))
       at++;
     if (at == *used)
       PART_TRY(add_near(walls, used, element, shift));
-    memcpy((-1 - entry[k].key) % 2 == 0 ? walls->near[at].spring : walls->near[at].n,
+    dem_near *near = &walls->near[at];
+    memcpy(part == 0   ? near->spring
+           : part == 1 ? near->n
+                       : near->roll,
            entry[k].value, sizeof entry[k].value);
   }
   return PART_OK;
@@ -176,8 +180,9 @@ int dem_walls_check(dem_t *dem) {
 
 /* ---- history of wall contacts in the payload --------------------------------------------------
  */
-static int wall_entries(const dem_near *near) {
-  return near->n[0] != 0.0 || near->n[1] != 0.0 || near->n[2] != 0.0 ? 2 : 0;
+static int wall_entries(const dem_t *dem, const dem_near *near) {
+  const int active = near->n[0] != 0.0 || near->n[1] != 0.0 || near->n[2] != 0.0;
+  return !active ? 0 : dem->plan.rolling ? 3 : 2;
 }
 
 static int walls_active(const dem_t *dem) {
@@ -188,7 +193,7 @@ static void count_walls(const dem_t *dem, int *count) {
   const dem_walls *walls = &dem->walls;
   for (int row = 0; row < walls->rows; row++)
     for (int k = walls->start[row]; k < walls->start[row + 1]; k++)
-      count[walls->particle[row]] += wall_entries(&walls->near[k]);
+      count[walls->particle[row]] += wall_entries(dem, &walls->near[k]);
 }
 
 /* Row of own particle i, -1: none; rows are in the order of particles. */
@@ -210,12 +215,12 @@ static dem_entry *put_walls(const dem_t *dem, int i, dem_entry *entry) {
   for (int k = row < 0 ? 0 : walls->start[row]; row >= 0 && k < walls->start[row + 1]; k++) {
     const dem_near *near = &walls->near[k];
     const int64_t m = (int64_t)near->element * DEM_SHIFTS + near->shift;
-    if (wall_entries(near) == 0)
-      continue;
-    entry->key = -1 - 2 * m;
-    memcpy(entry++->value, near->spring, sizeof near->spring);
-    entry->key = -2 - 2 * m;
-    memcpy(entry++->value, near->n, sizeof near->n);
+    const int entries = wall_entries(dem, near);
+    const double *value[3] = {near->spring, near->n, near->roll};
+    for (int part = 0; part < entries; part++) {
+      entry->key = -1 - part - 3 * m;
+      memcpy(entry++->value, value[part], sizeof entry->value);
+    }
   }
   return entry;
 }

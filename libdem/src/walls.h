@@ -5,8 +5,9 @@
  * Elements stay as they were given (the wall's own frame); what moves is the pose of the wall. A
  * particle is seen from that frame, so that bins and nearest points never change.
  *
- * History of a wall contact is two dem_entry: key -1-2m holds the spring, key -2-2m the direction
- * of the contact when it was last active, with m = element * 27 + code of the periodic shift. */
+ * History of a wall contact is up to three dem_entry with the keys -1-3m, -2-3m, -3-3m: tangential
+ * spring, direction of the contact when it was last active, spring of rolling; m = element * 27 +
+ * code of the periodic shift. */
 #ifndef DEM_WALLS_H
 #define DEM_WALLS_H
 
@@ -60,6 +61,7 @@ typedef struct dem_facet {
 typedef struct dem_near {
   int element, shift; /* shift code: (sx+1) + 3 (sy+1) + 9 (sz+1), element seen at + s L */
   double spring[3];   /* m, tangential history */
+  double roll[3];     /* m, history of rolling */
   double n[3];        /* direction of the contact when last active; zero: not active */
 } dem_near;
 

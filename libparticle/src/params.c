@@ -181,6 +181,8 @@ static int check_doubles(const part_param_table *table, const part_param *row, c
   for (int c = 0; c < components(row); c++) {
     if (row->required && isnan(numbers[c]))
       return missing(table, row);
+    if (isnan(row->def[c]) && isnan(numbers[c])) /* optional, not given; NaN is not compared: traps */
+      continue;
     /* An infinite value can only be a default: "no limit". */
     const int finite = isfinite(numbers[c]) || numbers[c] == row->def[c];
     if (!finite || !in_range(row, numbers[c]))

@@ -54,7 +54,7 @@ static dem_t *create(int bed, double friction, double width_x, double width_y) {
   dem_t *dem;
   dem_params params;
   dem_contact contact;
-  dem_material glass = {"glass", density};
+  dem_material glass = {.name = "glass", .density = density};
   const double floor_at[3] = {0.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
   const part_box box = {
       {0.0, 0.0, 0.0}, {width_x, width_y, bed ? 60.0 * d : width_x}, {1, 1, !bed}, {0, 0, 0}};

@@ -42,9 +42,21 @@ scene scene_default(void) {
   return s;
 }
 
+scene scene_with_law(int law) {
+  scene s = scene_default();
+  s.contact.law = law;
+  if (law == HERTZ) {
+    s.young = 2e8;
+    s.poisson = 0.3;
+    s.contact.normal_stiffness = (double)NAN;
+  }
+  return s;
+}
+
 dem_t *scene_create(const scene *s) {
   dem_t *dem;
-  dem_material glass = {"glass", s->density};
+  dem_material glass = {.name = "glass", .density = s->density, .youngs_modulus = s->young,
+                        .poisson_ratio = s->poisson};
   OK(dem_create(s->comm, &s->box, &s->params, &dem));
   OK(dem_add_material(dem, &glass, NULL));
   OK(dem_set_contact(dem, -1, -1, &s->contact));

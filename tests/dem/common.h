@@ -38,9 +38,12 @@ typedef struct scene {
   MPI_Comm comm;
   part_box box;
   dem_params params;
-  double density;
+  double density, young, poisson; /* 0: as not given */
   dem_contact contact;
 } scene;
+/* Rows of contact_laws.def, and a scene with that law, stiffness about as that of scene_default. */
+enum { LINEAR, HERTZ, LAWS };
+scene scene_with_law(int law);
 scene scene_default(void);           /* box -1 .. 1 m, no gravity, one material, mu = 0, e = 1 */
 dem_t *scene_create(const scene *s); /* material 0 is called "glass" */
 

@@ -41,7 +41,7 @@ static dem_t *without_particles(MPI_Comm comm, double strength) {
   s.contact.normal_stiffness = 2e4;
   const double floor_at[3] = {0.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
   dem_t *dem = scene_create(&s);
-  const dem_material steel = {"steel", 4000.0};
+  const dem_material steel = {.name = "steel", .density = 4000.0};
   OK(dem_add_material(dem, &steel, NULL));
   OK(dem_add_bonds(dem, 1, 1, &bond));
   OK(dem_add_plane(dem, "floor", 0, floor_at, up));
@@ -188,7 +188,7 @@ static void restart(void **state) {
   scene s = scene_default();
   const double floor_at[3] = {0.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
   dem_t *four = scene_create(&s);
-  const dem_material steel = {"steel", 4000.0};
+  const dem_material steel = {.name = "steel", .density = 4000.0};
   OK(dem_add_material(four, &steel, NULL));
   OK(dem_add_plane(four, "floor", 0, floor_at, up));
   OK(dem_read(four, path));

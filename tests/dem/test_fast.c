@@ -31,7 +31,7 @@ static dem_t *create(const variant *v) {
   s.contact.friction = v->friction ? 0.4 : 0.0;
   dem_t *dem = scene_create(&s);
   if (v->materials == 2) {
-    const dem_material other = {"steel", 7800.0};
+    const dem_material other = {.name = "steel", .density = 7800.0};
     int number;
     OK(dem_add_material(dem, &other, &number));
     s.contact.friction *= 0.5;

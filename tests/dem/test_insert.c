@@ -188,7 +188,7 @@ static void bad_materials(void **state) {
   (void)state;
   scene s = scene_default();
   dem_t *dem = scene_create(&s);
-  dem_material m = {"steel", -1.0};
+  dem_material m = {.name = "steel", .density = -1.0};
   int number;
   FAILS(PART_ERR_RANGE, "density", dem_add_material(dem, &m, &number));
   m.density = 7800.0;

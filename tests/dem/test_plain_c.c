@@ -16,7 +16,7 @@ static int drop(double restitution, double *height) {
   const part_box box = {{-1, -1, 0}, {1, 1, 1}, {0, 0, 0}, {0, 0, 0}};
   const double floor_at[3] = {0, 0, 0}, up[3] = {0, 0, 1};
   dem_params params;
-  dem_material glass = {"glass", 2500.0};
+  dem_material glass = {.name = "glass", .density = 2500.0};
   dem_contact contact;
   dem_insert insert;
   dem_t *dem;

@@ -52,6 +52,7 @@ typedef struct dem_params {
   double ramp_time;          /* s; Markauskas et al. 2017 eq. 3-4; 0: no ramp */
   double ramp_fluid_density; /* kg/m3, rho_f of eq. 3; needed with ramp_time > 0 */
   double time_step_fraction; /* of the shortest contact time, default 1/50 */
+  double impact_speed;       /* m/s, of the hardest impact expected; 0: worked out by dem_start */
   double skin_fraction;      /* Verlet skin over the mean radius, to begin with */
   double max_overlap;        /* of the smaller radius: ERR_OVERLAP at insertion, reported later */
   int64_t dimensions;        /* 3: spheres; 2: discs in a plane of constant z */
@@ -64,17 +65,21 @@ extern const part_param_table dem_params_table;
 /* One material. */
 typedef struct dem_material {
   char name[PART_PARAM_WORD_LENGTH];
-  double density; /* kg/m3 */
+  double density;        /* kg/m3 */
+  double youngs_modulus; /* Pa; 0: not given */
+  double poisson_ratio;  /* NaN: not given; needed with youngs_modulus */
 } dem_material;
 extern const part_param_table dem_material_table;
 
-/* Contact of two materials. */
+/* Contact of two materials; begin with part_params_default(&dem_contact_table, ...). */
 typedef struct dem_contact {
   int law;                 /* row of dem/contact_laws.def */
-  double normal_stiffness; /* N/m */
-  double tangential_ratio; /* k_t/k_n, default 2/7 */
+  double normal_stiffness; /* N/m; NaN: not given */
+  double tangential_ratio; /* k_t/k_n; NaN: not given */
   double restitution;      /* (0, 1]; damping is derived from it */
   double friction;         /* Coulomb coefficient, >= 0 */
+  double rolling_friction; /* largest rolling moment over (reduced radius x normal force), >= 0 */
+  double work_of_adhesion; /* J/m2, >= 0 */
 } dem_contact;
 extern const part_param_table dem_contact_table;
 
@@ -159,7 +164,8 @@ void dem_destroy(dem_t *dem);
 /* Materials get numbers 0, 1, ... in the order they are added; names are unique. */
 int dem_add_material(dem_t *dem, const dem_material *material, int *number);
 int dem_find_material(const dem_t *dem, const char *name, int *number); /* error: nearest name */
-/* Contact of a pair of materials (both orders); a pair without one uses that of (-1, -1). */
+/* Contact of a pair of materials (both orders); a pair without one uses that of (-1, -1). ERR_RANGE
+ * when it gives what its law does not use; what it lacks is found by dem_start. */
 int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact);
 
 /* Bonds between all pairs of particles of materials a and b (-1 and -1: any; a particular rule goes
@@ -317,6 +323,8 @@ int dem_clump_state(dem_t *dem, int64_t clump, dem_clump_report *report);
 
 /* The scene plan as text lines "what | why | saves". Local. */
 int dem_plan_text(const dem_t *dem, size_t size, char *text);
+/* One line: the stable step and where it comes from. Local. */
+int dem_step_text(const dem_t *dem, size_t size, char *text);
 part_timers *dem_timers(dem_t *dem);
 
 /* ---- files ---------------------------------------------------------------------------------- */

@@ -24,7 +24,8 @@ enum { PART_PARAM_WORD_LENGTH = 256 };
 
 /* One parameter. dims are the exponents of (kg m s K mol A cd), as in an OpenFOAM dimensionSet.
  * The range [low, high] holds for SCALAR, INT and every component of VECTOR; low_open/high_open
- * exclude the end itself. required: no default exists and the entry must be given. */
+ * exclude the end itself. required: no default exists and the entry must be given. The default NaN
+ * of a SCALAR says that it may be left out and then has no value. */
 typedef struct part_param {
   const char *name;
   part_param_type type;
