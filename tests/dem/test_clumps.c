@@ -1,76 +1,9 @@
 /* ranks: 1 2 */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Motion of clumps: free top, impacts, fluid, energy, periodic borders, bad input. */
-#include "common.h"
+#include "clump_scenes.h"
 
 static const double nowhere[3] = {0.0, 0.0, 0.0};
-
-static const char *path_of(const char *name) {
-  static char path[8][300];
-  static int next;
-  const char *folder = getenv("TMPDIR");
-  char *to = path[next++ % 8];
-  snprintf(to, sizeof path[0], "%s/dem-clump-%s-%d.txt", folder != NULL ? folder : "/tmp", name,
-           world_size());
-  return to;
-}
-
-static const char *write_text(const char *name, const char *text) {
-  const char *path = path_of(name);
-  MPI_Barrier(MPI_COMM_WORLD);
-  if (world_rank() == 0) {
-    FILE *file = fopen(path, "w");
-    assert_non_null(file);
-    fputs(text, file);
-    fclose(file);
-  }
-  MPI_Barrier(MPI_COMM_WORLD);
-  return path;
-}
-
-static int remove_files(void **state) {
-  (void)state;
-  static const char *const names[] = {"top", "rod", "ball", "ell", "places"};
-  for (int k = 0; k < 5 && world_rank() == 0; k++)
-    remove(path_of(names[k]));
-  return 0;
-}
-
-/* Principal axes are x, y, z; I_x < I_y < I_z. */
-static const char *top_shape(void) {
-  return write_text("top", "0 0 0 0.02\n0.014 0 0 0.02\n-0.014 0 0 0.02\n"
-                           "0 0.008 0 0.018\n0 -0.008 0 0.018\n");
-}
-/* Two touching spheres of radius 0.005 along x. */
-static const char *rod_shape(void) {
-  return write_text("rod", "-0.005 0 0 0.01\n0.005 0 0 0.01\n");
-}
-/* No symmetry. */
-static const char *ell_shape(void) {
-  return write_text("ell", "0 0 0 0.01\n0.006 0 0 0.009\n0.012 0.002 0 0.008\n"
-                           "0 0.006 0.001 0.009\n0 0.003 0.008 0.007\n");
-}
-
-static dem_insert one_clump(const char *shape, const double at[3], const double v[3],
-                            const double w[3]) {
-  dem_insert insert = lattice(DEM_CLUMP, 0.0, at, 0.0, 1, 1, 1);
-  strcpy(insert.shape, shape);
-  insert.orientation = DEM_ORIENTATION_AS_IN_FILE;
-  memcpy(insert.velocity, v, sizeof insert.velocity);
-  memcpy(insert.angular_velocity, w, sizeof insert.angular_velocity);
-  return insert;
-}
-
-static void turn_vector(const double q[4], const double a[3], double b[3]) {
-  /* b = a + 2 w (u x a) + 2 u x (u x a) */
-  const double u[3] = {q[1], q[2], q[3]};
-  const double c[3] = {u[1] * a[2] - u[2] * a[1], u[2] * a[0] - u[0] * a[2],
-                       u[0] * a[1] - u[1] * a[0]};
-  const double d[3] = {u[1] * c[2] - u[2] * c[1], u[2] * c[0] - u[0] * c[2],
-                       u[0] * c[1] - u[1] * c[0]};
-  for (int k = 0; k < 3; k++)
-    b[k] = a[k] + 2.0 * q[0] * c[k] + 2.0 * d[k];
-}
 
 static double energy_of(const dem_clump_report *c) {
   double e = 0.0;
@@ -196,7 +129,7 @@ static void symmetric_top(void **state) {
 /* A clump of one sphere is a free sphere: same impacts on wall and sphere, with friction. */
 static void one_sphere(void **state) {
   (void)state;
-  const char *shape = write_text("ball", "3 4 5 0.02\n");
+  const char *shape = write_clump_file("ball", "3 4 5 0.02\n");
   const double x[3] = {0.0, 0.0, 0.03}, v[3] = {0.6, 0.1, -1.0}, w[3] = {30.0, 0.0, 20.0};
   const double other[3] = {0.026, 0.003, 0.0121}, up[3] = {0.0, 0.0, 1.0};
   body end[2][2];
@@ -256,7 +189,7 @@ static void rod_on_wall(void **state) {
              r + r * sin(angle) + 1e-7, -speed, cos(-0.5 * angle), sin(-0.5 * angle));
     dem_insert insert = one_clump(shape, nowhere, nowhere, nowhere);
     insert.method = DEM_INSERT_FILE;
-    strcpy(insert.file, write_text("places", line));
+    strcpy(insert.file, write_clump_file("places", line));
     OK(dem_insert_particles(dem, &insert, -1, NULL));
     OK(dem_add_plane(dem, "floor", 0, nowhere, up));
     OK(dem_start(dem));
@@ -333,11 +266,7 @@ static void elastic_gas(void **state) {
     s.box.periodic[c] = 1;
   }
   dem_t *dem = scene_create(&s);
-  dem_insert insert = random_spheres(40, 0.0, 0.0, lo, 0.2, 5);
-  insert.kind = DEM_CLUMP;
-  insert.diameter = 0.012;
-  insert.diameter_max = 0.02;
-  strcpy(insert.shape, ell_shape());
+  dem_insert insert = random_clumps(ell_shape(), 40, 0.012, 0.02, lo, 0.2, 5);
   int64_t inserted;
   OK(dem_insert_particles(dem, &insert, -1, &inserted));
   assert_int_equal(inserted, 200);
@@ -382,7 +311,7 @@ int main(int argc, char **argv) {
       cmocka_unit_test(rod_on_wall), cmocka_unit_test(sphere_on_rod), cmocka_unit_test(elastic_gas),
   };
   MPI_Init(&argc, &argv);
-  const int failed = cmocka_run_group_tests(tests, NULL, remove_files);
+  const int failed = cmocka_run_group_tests(tests, NULL, remove_clump_files);
   MPI_Finalize();
   return failed;
 }
