@@ -110,6 +110,10 @@ double dem_clump_light(int n, const struct dem_entry *entry);
 /* Collective. K of own members and of ghosts. */
 int dem_clumps_turns(struct dem_t *dem);
 
+/* Kick of one clump by contact, gravity (m/s2) and fluid over h, and the drift of drift_h (0: none)
+ * under them. */
+void dem_clump_kick_wet(struct dem_t *dem, dem_clump *clump, const double gravity[3], double h,
+                        double drift_h);
 /* As those of blocks. */
 void dem_clumps_kick_drift(struct dem_t *dem, double t, double h, int fluid);
 void dem_clumps_kick(struct dem_t *dem, double t, double h, int fluid);

@@ -2,46 +2,51 @@
 #include "rotation.h"
 
 /* One Jacobi rotation that makes a[p][q] zero. */
-static void rotate(double a[3][3], double v[3][3], int p, int q) {
-  if (a[p][q] == 0.0)
+static void rotate(int n, double *a, double *v, int p, int q) {
+  const double off = a[n * p + q];
+  if (off == 0.0)
     return;
-  const double theta = (a[q][q] - a[p][p]) / (2.0 * a[p][q]);
+  const double theta = (a[n * q + q] - a[n * p + p]) / (2.0 * off);
   const double t = (theta >= 0.0 ? 1.0 : -1.0) / (fabs(theta) + sqrt(theta * theta + 1.0));
   const double c = 1.0 / sqrt(t * t + 1.0), s = t * c;
-  for (int k = 0; k < 3; k++) {
-    const double kp = a[k][p], kq = a[k][q];
-    a[k][p] = c * kp - s * kq;
-    a[k][q] = s * kp + c * kq;
+  for (int k = 0; k < n; k++) {
+    const double kp = a[n * k + p], kq = a[n * k + q];
+    a[n * k + p] = c * kp - s * kq;
+    a[n * k + q] = s * kp + c * kq;
   }
-  for (int k = 0; k < 3; k++) {
-    const double pk = a[p][k], qk = a[q][k];
-    a[p][k] = c * pk - s * qk;
-    a[q][k] = s * pk + c * qk;
+  for (int k = 0; k < n; k++) {
+    const double pk = a[n * p + k], qk = a[n * q + k];
+    a[n * p + k] = c * pk - s * qk;
+    a[n * q + k] = s * pk + c * qk;
   }
-  for (int k = 0; k < 3; k++) {
-    const double kp = v[k][p], kq = v[k][q];
-    v[k][p] = c * kp - s * kq;
-    v[k][q] = s * kp + c * kq;
+  for (int k = 0; k < n; k++) {
+    const double kp = v[n * k + p], kq = v[n * k + q];
+    v[n * k + p] = c * kp - s * kq;
+    v[n * k + q] = s * kp + c * kq;
   }
-  a[p][q] = a[q][p] = 0.0;
+  a[n * p + q] = a[n * q + p] = 0.0;
+}
+
+void dem_diagonalise(int n, double *a, double *v) {
+  for (int k = 0; k < n * n; k++)
+    v[k] = k % (n + 1) == 0 ? 1.0 : 0.0;
+  for (int sweep = 0; sweep < 30; sweep++) {
+    double off = 0.0, size = 0.0;
+    for (int k = 0; k < n * n; k++)
+      *(k % (n + 1) == 0 ? &size : &off) += fabs(a[k]);
+    if (!(off > 1e-17 * size))
+      break;
+    for (int p = 0; p < n - 1; p++)
+      for (int q = p + 1; q < n; q++)
+        rotate(n, a, v, p, q);
+  }
 }
 
 void dem_eigen(const double s[6], double value[3], double v[3][3]) {
-  double a[3][3] = {{s[0], s[3], s[4]}, {s[3], s[1], s[5]}, {s[4], s[5], s[2]}};
-  for (int r = 0; r < 3; r++)
-    for (int c = 0; c < 3; c++)
-      v[r][c] = r == c ? 1.0 : 0.0;
-  for (int sweep = 0; sweep < 30; sweep++) {
-    const double off = fabs(a[0][1]) + fabs(a[0][2]) + fabs(a[1][2]);
-    const double size = fabs(a[0][0]) + fabs(a[1][1]) + fabs(a[2][2]);
-    if (!(off > 1e-17 * size))
-      break;
-    rotate(a, v, 0, 1);
-    rotate(a, v, 0, 2);
-    rotate(a, v, 1, 2);
-  }
+  double a[9] = {s[0], s[3], s[4], s[3], s[1], s[5], s[4], s[5], s[2]};
+  dem_diagonalise(3, a, &v[0][0]);
   for (int k = 0; k < 3; k++)
-    value[k] = a[k][k];
+    value[k] = a[4 * k];
 }
 
 void dem_turn_of_matrix(const double m[3][3], double q[4]) {

@@ -62,8 +62,10 @@ static inline double dem_form(const double s[6], const double n[3]) {
          2.0 * (s[3] * n[0] * n[1] + s[4] * n[0] * n[2] + s[5] * n[1] * n[2]);
 }
 
-/* Eigenvalues and eigenvectors (columns of v, right-handed) of a symmetric matrix by Jacobi's
- * rotations, in no order. */
+/* Symmetric matrix a [n][n] by Jacobi's rotations: its eigenvalues on the diagonal, its
+ * eigenvectors in the columns of v [n][n], in no order. */
+void dem_diagonalise(int n, double *a, double *v);
+/* The same for a symmetric 3 x 3 matrix; the eigenvectors are right-handed. */
 void dem_eigen(const double s[6], double value[3], double v[3][3]);
 /* Unit quaternion of a rotation matrix. */
 void dem_turn_of_matrix(const double m[3][3], double q[4]);
