@@ -195,6 +195,10 @@ static int open_grid(const dem_t *dem, maker *m) {
   return PART_OK;
 }
 
+static long long id_of(const dem_t *dem, int64_t number) {
+  return (long long)(dem->params.first_id + number);
+}
+
 /* Rule for two inserted particles, -1: no bond. rest: from the lower to the higher id. */
 static int bond_of(const dem_t *dem, int64_t a, int64_t b, double rest[3]) {
   const dem_seed *p = &dem->seed[a < b ? a : b], *q = &dem->seed[a < b ? b : a];
@@ -216,7 +220,7 @@ static int check_pair(const dem_t *dem, int rule, int64_t a, int64_t b) {
         PART_ERR_RANGE,
         "%s: particles %lld and %lld are near enough for a bond, but spheres of clumps "
         "can not be bonded; give the clumps a material without bonds",
-        dem_bond_table.name, (long long)(a < b ? a : b), (long long)(a < b ? b : a));
+        dem_bond_table.name, id_of(dem, a < b ? a : b), id_of(dem, a < b ? b : a));
   const double r = dem->seed[a].r, s = dem->seed[b].r;
   if (!dem->shape.flat || !(dem->bonds.rule[rule].bond.youngs_modulus > 0.0) ||
       fabs(r - s) <= 1e-6 * r)
@@ -225,7 +229,7 @@ static int check_pair(const dem_t *dem, int rule, int64_t a, int64_t b) {
                    "%s: entry youngsModulus: particles %lld and %lld have radii %g and %g m; with "
                    "dimensions 2 it is that of a packing of equal discs. Give normalStiffness and "
                    "shearStiffness",
-                   dem_bond_table.name, (long long)(a < b ? a : b), (long long)(a < b ? b : a), r,
+                   dem_bond_table.name, id_of(dem, a < b ? a : b), id_of(dem, a < b ? b : a), r,
                    s);
 }
 
@@ -235,8 +239,8 @@ static int add_entry(maker *m, int64_t number, double x, double y, double z) {
   return PART_OK;
 }
 
-/* Entries of one particle, sorted by key as history.c leaves them; its orientation is the identity,
- * which need not be said. */
+/* Entries of one particle (number as inserted), sorted by key as history.c leaves them; its
+ * orientation is the identity, which need not be said. */
 static int bond_particle(const dem_t *dem, maker *m, int64_t id, int *count) {
   size_t n;
   const dem_seed *seed = &dem->seed[id];
@@ -248,8 +252,9 @@ static int bond_particle(const dem_t *dem, maker *m, int64_t id, int *count) {
     if (rule < 0)
       continue;
     PART_TRY(check_pair(dem, rule, id, other));
-    PART_TRY(add_entry(m, other * 256, rest[0], rest[1], rest[2]));
-    PART_TRY(add_entry(m, other * 256 + 1, rule, DEM_LINK_HOLDS, 0.0));
+    const int64_t partner = dem->params.first_id + other;
+    PART_TRY(add_entry(m, partner * 256, rest[0], rest[1], rest[2]));
+    PART_TRY(add_entry(m, partner * 256 + 1, rule, DEM_LINK_HOLDS, 0.0));
     *count += 2;
     m->widest_gap = fmax(m->widest_gap, sqrt(dem_dot(rest, rest)) - seed->r - dem->seed[other].r);
     m->found[rule] += other > id;
@@ -263,7 +268,7 @@ static int bond_own(const dem_t *dem, maker *m) {
   PART_TRY(dem_allocate((size_t)dem->store->local, sizeof *m->count, &m->count));
   PART_TRY(dem_grow(1, sizeof *m->entry, &m->room, &m->entry));
   for (int i = 0; i < dem->store->local; i++)
-    PART_TRY(bond_particle(dem, m, dem_id(dem, i), &m->count[i]));
+    PART_TRY(bond_particle(dem, m, dem_id(dem, i) - dem->params.first_id, &m->count[i]));
   return PART_OK;
 }
 

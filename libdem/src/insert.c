@@ -126,7 +126,7 @@ static int check_one(const dem_t *dem, const dem_grid *grid, const dem_seed *see
   return part_fail(PART_ERR_OVERLAP,
                    "particles %lld and %lld overlap by %g m at (%g %g %g) m; allowed is "
                    "maxOverlap = %g of the smaller radius",
-                   (long long)other, (long long)id, overlap, seed->x[0], seed->x[1], seed->x[2],
+                   (long long)(dem->params.first_id + other), (long long)id, overlap, seed->x[0], seed->x[1], seed->x[2],
                    dem->params.max_overlap);
 }
 
@@ -147,7 +147,7 @@ static int check_overlap(const dem_t *dem, const dem_seed *seed, int64_t count) 
   for (int64_t k = 0, end; k < count && status == PART_OK; k = end) {
     end = end_of_body(seed, count, k);
     for (int64_t m = k; m < end && status == PART_OK; m++)
-      status = check_one(dem, grid, &seed[m], dem->seeds + m);
+      status = check_one(dem, grid, &seed[m], dem->params.first_id + dem->seeds + m);
     for (int64_t m = k; m < end && status == PART_OK; m++)
       status = dem_grid_add(grid, seed[m].x, seed[m].r);
   }
@@ -203,7 +203,7 @@ static int accept(dem_t *dem, const dem_insert *insert, int block, int material,
     seed[k].kind = insert->kind;
     if (insert->kind != DEM_CLUMP) /* numbered by dem_clumps_expand */
       seed[k].block = insert->kind == DEM_BLOCK ? block : -1;
-    PART_TRY(check_seed(dem, &seed[k], dem->seeds + k));
+    PART_TRY(check_seed(dem, &seed[k], dem->params.first_id + dem->seeds + k));
   }
   PART_TRY(check_overlap(dem, seed, count));
   PART_TRY(

@@ -45,6 +45,13 @@ typedef struct dem_seed {
   int material, kind, block;
 } dem_seed;
 
+/* How evenly the ranks are loaded, from the lists built last; the same on every rank. */
+typedef struct dem_load {
+  double ratio, mean; /* largest cost of a rank over the mean; that mean (balance.c) */
+  double reached;     /* least ratio since the last balancing by cost */
+  int balanced;       /* the parts were made by cost since ratio was worked out */
+} dem_load;
+
 /* What can be left out, worked out by dem_start. */
 typedef struct dem_plan {
   int tangential; /* friction or rolling resistance somewhere: rotation and tangential history */
@@ -132,6 +139,7 @@ struct dem_t {
   dem_sum wall_impulse, support_impulse, gravity_impulse, fluid_impulse;
   double initial_momentum[3]; /* of the own share; the sum over ranks counts */
   long long generation, substeps, rebuilds;
+  dem_load load;
   int64_t total;
 
   /* History kept between dem_read and dem_start: pairs and walls, per own particle. */
@@ -208,6 +216,14 @@ void dem_materials_time(dem_t *dem, int a, int b, double inverse_a, double inver
  */
 /* Momentum of own free particles, and on rank 0 of all blocks; size: sum of m |v| (NULL: not). */
 void dem_own_momentum(const dem_t *dem, double momentum[3], double *size);
+
+/* ---- balance.c ---------------------------------------------------------------------------------
+ */
+/* Collective. New parts when the load has drifted, or anyway; before the lists of own particles are
+ * dropped. home: see part_domain_balance_home. */
+int dem_balance(dem_t *dem, int anyway, const double *home);
+/* Collective. The load, from the lists just built. */
+int dem_balance_note(dem_t *dem);
 
 /* ---- rebuild.c ---------------------------------------------------------------------------------
  */

@@ -2,24 +2,8 @@
 /* Neighbour lists: when they are made again, and how everything comes along. */
 #include "internal.h"
 
-/* Own particles of the largest rank above the mean before balancing is worth it. */
-static const double worth_balancing = 16.0;
-
 /* Substeps after which lists that still hold are made again when their skin is far too wide. */
 enum { skin_trial = 256 };
-
-/* New parts when the load has drifted. Depends on the positions alone, so that a restarted run
- * decides alike. */
-static int balance_parts(dem_t *dem, int balance, const double *home) {
-  double ratio;
-  if (dem->ranks == 1)
-    return PART_OK;
-  PART_TRY(part_domain_imbalance(dem->domain, dem->store, &ratio));
-  const double mean = (double)dem->total / dem->ranks;
-  if (balance || (ratio > dem->params.balance_ratio && (ratio - 1.0) * mean > worth_balancing))
-    PART_TRY(part_domain_balance_home(dem->domain, dem->store, home, NULL));
-  return PART_OK;
-}
 
 static int make_pairs(dem_t *dem, const int *count, const void *payload) {
   PART_TRY(part_pairs_build(dem->pairs, dem->store, DEM_FIELD_RADIUS, &dem->levels, dem->skin));
@@ -48,18 +32,21 @@ static int note_state(dem_t *dem) {
   return PART_OK;
 }
 
-/* Pairs of all ranks, each once. */
-static int count_listed(dem_t *dem) {
+/* Pairs of all ranks, each once; and no particle may have got lost. */
+static int count_all(dem_t *dem) {
   const part_pairs *pairs = dem->pairs;
-  dem->listed = 0;
-  for (int i = 0; i < pairs->rows; i++)
+  int64_t sum[2] = {0, dem->store->local};
+  for (int i = 0; dem->plan.pairs && i < pairs->rows; i++)
     for (int k = pairs->start[i]; k < pairs->start[i + 1]; k++)
-      dem->listed +=
+      sum[0] +=
           pairs->partner[k] < dem->store->local || dem_id(dem, i) < dem_id(dem, pairs->partner[k]);
   if (dem->ranks > 1 &&
-      MPI_Allreduce(MPI_IN_PLACE, &dem->listed, 1, MPI_INT64_T, MPI_SUM, dem->comm) != MPI_SUCCESS)
+      MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_INT64_T, MPI_SUM, dem->comm) != MPI_SUCCESS)
     return part_fail(PART_ERR_MPI, "a sum over ranks failed");
-  return PART_OK;
+  dem->listed = sum[0];
+  return sum[1] == dem->total ? PART_OK
+                              : part_fail(PART_ERR_STATE, "%lld particles are there, not %lld",
+                                          (long long)sum[1], (long long)dem->total);
 }
 
 static int make_lists(dem_t *dem, const int *count, const void *payload) {
@@ -99,7 +86,7 @@ static int rearrange(dem_t *dem, int balance, int **count, void **payload) {
   int status;
   if (dem->plan.clumps)
     PART_TRY(part_agree(dem->comm, dem_clumps_homes(dem, *count, *payload, &home)));
-  status = balance_parts(dem, balance, home);
+  status = dem_balance(dem, balance, home);
   if (status == PART_OK)
     status = *count == NULL ? part_domain_migrate(dem->domain, dem->store, 0, NULL, NULL)
                             : part_domain_migrate_home(dem->domain, dem->store, home,
@@ -134,7 +121,8 @@ static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   PART_TRY(part_agree(dem->comm, make_lists(dem, *count, *payload)));
   if (dem->plan.clumps)
     PART_TRY(dem_clumps_turns(dem));
-  return dem->plan.pairs ? count_listed(dem) : PART_OK;
+  PART_TRY(count_all(dem));
+  return dem_balance_note(dem);
 }
 
 int dem_rebuild(dem_t *dem, int balance, int *count, void *payload) {
@@ -145,7 +133,9 @@ int dem_rebuild(dem_t *dem, int balance, int *count, void *payload) {
   free(payload);
   dem->generation++;
   dem->rebuilds++;
-  return status;
+  return status == PART_OK ? PART_OK
+                           : part_fail_context(status, "time %g s, step %lld", dem->time,
+                                               dem->substeps);
 }
 
 /* Largest displacement of an own particle since the lists were built; NaN when there is one. */

@@ -116,6 +116,7 @@ int dem_get_report(dem_t *dem, dem_report *report) {
   MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, dem->comm);
   PART_TRY(dem_rank_sum(dem, 1, &energy));
   report->particles = dem->total;
+  report->load_ratio = dem->load.ratio;
   report->contacts = counts[0];
   report->wall_contacts = counts[1];
   report->clumps = counts[2];

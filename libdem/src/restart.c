@@ -5,7 +5,7 @@
 #include "internal.h"
 #include "particle/vtkhdf.h"
 
-enum { STATE_VALUES = 14, BLOCK_VALUES = 11, BUDGET_VALUES = 33, BROKEN_VALUES = 5 };
+enum { STATE_VALUES = 15, BLOCK_VALUES = 11, BUDGET_VALUES = 33, BROKEN_VALUES = 5 };
 
 /* Values about bonds, 0 without them. */
 static int bond_values(const dem_t *dem) {
@@ -26,7 +26,8 @@ static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
                                        dem->skin,
                                        dem->shape.depth,
                                        bond_values(dem),
-                                       dem->impact_speed};
+                                       dem->impact_speed,
+                                       dem->load.reached};
   memcpy(value, packed, sizeof packed);
 }
 
@@ -346,6 +347,7 @@ static int unpack_state(dem_t *dem, const char *path, const double *value) {
   dem->restored_elsewhere = (int)value[9] != dem->ranks;
   dem->skin = value[10];
   dem->impact_speed = value[13];
+  dem->load.reached = value[14];
   return PART_OK;
 }
 

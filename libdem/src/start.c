@@ -22,7 +22,7 @@ static int fill_store(dem_t *dem) {
     memcpy(v + 4, seed->w, sizeof seed->w);
     x[3] = seed->r;
     v[7] = seed->material;
-    meta[0] = k;
+    meta[0] = dem->params.first_id + k;
     meta[1] = seed->kind;
     meta[2] = seed->block;
     const double inverse_mass = 1.0 / dem_own_mass(dem, at);

@@ -6,6 +6,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <stdint.h>
 #include <zoltan.h>
 
 #include "particle/status.h"
@@ -14,7 +15,7 @@ typedef struct objects {
   const part_store *store;
   const double *home; /* [local][3] places that count; NULL: positions */
   const double *weight;
-  unsigned first; /* number of the first own particle over all ranks */
+  uint64_t first; /* number of the first own particle over all ranks */
 } objects;
 
 static int object_count(void *data, int *error) {
@@ -28,7 +29,9 @@ static void object_list(void *data, int gid_entries, int lid_entries, ZOLTAN_ID_
   (void)gid_entries;
   (void)lid_entries;
   for (int i = 0; i < o->store->local; i++) {
-    gid[i] = o->first + (unsigned)i;
+    /* Two words: numbers go beyond 2^32. */
+    gid[2 * i] = (ZOLTAN_ID_TYPE)((o->first + (uint64_t)i) >> 32);
+    gid[2 * i + 1] = (ZOLTAN_ID_TYPE)((o->first + (uint64_t)i) & 0xffffffffu);
     lid[i] = (unsigned)i;
     if (weights > 0)
       weight[i] = (float)o->weight[i];
@@ -61,7 +64,7 @@ static int set_up(struct Zoltan_Struct *zz, objects *o, int weighted) {
   const char *const params[][2] = {
       {"DEBUG_LEVEL", "0"},
       {"LB_METHOD", "RCB"},
-      {"NUM_GID_ENTRIES", "1"},
+      {"NUM_GID_ENTRIES", "2"},
       {"NUM_LID_ENTRIES", "1"},
       {"OBJ_WEIGHT_DIM", weighted ? "1" : "0"},
       {"RETURN_LISTS", "NONE"}, /* the cuts are all we want */
@@ -151,15 +154,15 @@ int part_domain_balance_home(part_domain *domain, const part_store *store, const
   PART_TRY(part_domain_agree(domain, check_objects(store, home, weight, &sums[1])));
   if (domain->size == 1)
     return PART_OK;
-  unsigned after = (unsigned)store->local;
+  uint64_t after = (uint64_t)store->local;
   int has_weight = weight != NULL;
   sums[0] = store->local;
   if (MPI_Allreduce(MPI_IN_PLACE, sums, 2, MPI_DOUBLE, MPI_SUM, domain->comm) != MPI_SUCCESS ||
       MPI_Allreduce(MPI_IN_PLACE, &has_weight, 1, MPI_INT, MPI_MIN, domain->comm) != MPI_SUCCESS ||
-      MPI_Scan(MPI_IN_PLACE, &after, 1, MPI_UNSIGNED, MPI_SUM, domain->comm) != MPI_SUCCESS)
+      MPI_Scan(MPI_IN_PLACE, &after, 1, MPI_UINT64_T, MPI_SUM, domain->comm) != MPI_SUCCESS)
     return part_fail(PART_ERR_MPI, "MPI_Allreduce failed");
   if (sums[0] == 0.0)
     return PART_OK; /* nothing to divide: the parts stay */
-  o.first = after - (unsigned)store->local;
+  o.first = after - (uint64_t)store->local;
   return bisect(domain, &o, has_weight && sums[1] > 0.0);
 }

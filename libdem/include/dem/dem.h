@@ -57,7 +57,8 @@ typedef struct dem_params {
   double max_overlap;        /* of the smaller radius: ERR_OVERLAP at insertion, reported later */
   int64_t dimensions;        /* 3: spheres; 2: discs in a plane of constant z */
   double depth;              /* m, length of discs; positive with two dimensions, else 0 */
-  double balance_ratio;      /* repartition when largest/mean particle number exceeds it */
+  double balance_ratio;      /* repartition when the largest cost of a rank over the mean exceeds it */
+  int64_t first_id;          /* of the first particle inserted; up to 2^47 */
   int skip;                  /* 1: leave out what the scene does not need (scene plan) */
 } dem_params;
 extern const part_param_table dem_params_table;
@@ -259,6 +260,7 @@ typedef struct dem_report {
    * in the budget: what they get, from the fluid too, goes to their support. */
   double budget_error;
   long long substeps, rebuilds;
+  double load_ratio; /* largest cost of a rank over the mean, when lists were built last; 1 rank: 0 */
   int64_t bonds, broken_bonds; /* intact, broken since the beginning */
   double bond_energy;          /* J, elastic */
 } dem_report;
