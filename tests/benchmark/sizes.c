@@ -84,11 +84,14 @@ static dem_t *create(const distribution *s, int bed) {
   dem_t *dem;
   dem_params params;
   dem_contact contact;
-  dem_material glass = {"glass", density};
+  dem_material glass;
   const double floor_at[3] = {0.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
   const part_box box = box_of(s, bed);
   part_params_default(&dem_params_table, &params);
   part_params_default(&dem_contact_table, &contact);
+  part_params_default(&dem_material_table, &glass);
+  strcpy(glass.name, "glass");
+  glass.density = density;
   params.gravity[2] = bed ? -98.1 : 0.0;
   params.max_overlap = 1.0; /* large spheres of a bed rest on soft springs */
   contact.normal_stiffness = k_n;
