@@ -171,21 +171,24 @@ void dem_pair_forces(dem_t *dem, double dt) {
     pair_loop(dem, dem_laws_any, parts, dt);
 }
 
+int dem_pair_wanted(const dem_t *dem, int i, int j) {
+  const int kind = dem_kind_of(dem, i);
+  const int same = kind == dem_kind_of(dem, j) &&
+                   (kind == DEM_FIXED || ((kind == DEM_BLOCK || kind == DEM_CLUMP) &&
+                                          dem_block_of(dem, i) == dem_block_of(dem, j)));
+  return !same && !(dem->plan.bonds && dem_bonds_join(dem, i, j));
+}
+
 int dem_pair_list_filter(dem_t *dem) {
   part_pairs *pairs = dem->pairs;
   int used = 0, begin = 0;
   if (dem->plan.all_free && !dem->plan.bonds)
     return PART_OK;
   for (int i = 0; i < pairs->rows; i++) {
-    const int kind = dem_kind_of(dem, i), block = dem_block_of(dem, i), end = pairs->start[i + 1];
-    for (int k = begin; k < end; k++) {
-      const int j = pairs->partner[k];
-      const int same = kind == dem_kind_of(dem, j) &&
-                       (kind == DEM_FIXED || ((kind == DEM_BLOCK || kind == DEM_CLUMP) &&
-                                              block == dem_block_of(dem, j)));
-      if (!same && !(dem->plan.bonds && dem_bonds_join(dem, i, j)))
-        pairs->partner[used++] = j;
-    }
+    const int end = pairs->start[i + 1];
+    for (int k = begin; k < end; k++)
+      if (dem_pair_wanted(dem, i, pairs->partner[k]))
+        pairs->partner[used++] = pairs->partner[k];
     begin = end;
     pairs->start[i + 1] = used;
   }

@@ -3,8 +3,9 @@
 #include "internal.h"
 #include "laws.h"
 
-static const char *const stage_names[DEM_STAGE_COUNT] = {
-    "integrate", "contact", "walls", "neighbours", "ghosts", "blocks", "clumps", "bonds"};
+static const char *const stage_names[DEM_STAGE_COUNT] = {"integrate",  "contact", "walls",
+                                                         "neighbours", "ghosts",  "blocks",
+                                                         "clumps",     "bonds",   "lubrication"};
 
 static int create_parts(dem_t *dem, MPI_Comm comm, const part_box *box) {
   if (MPI_Comm_dup(comm, &dem->comm) != MPI_SUCCESS)
@@ -86,6 +87,7 @@ void dem_destroy(dem_t *dem) {
   dem_walls_free(&dem->walls);
   dem_fast_free(&dem->fast);
   dem_bonds_free(&dem->bonds);
+  dem_film_free(&dem->film);
   free(dem->material);
   free(dem->given);
   free(dem->coefs);

@@ -41,6 +41,11 @@ void dem_wall_stage(dem_t *dem, double dt) {
     dem_bond_forces(dem, dt);
     part_timers_stop(dem->timers, dem->stage[DEM_STAGE_BONDS]);
   }
+  if (dem->plan.lubrication) {
+    part_timers_start(dem->timers, dem->stage[DEM_STAGE_LUBRICATION]);
+    dem_film_forces(dem, dt);
+    part_timers_stop(dem->timers, dem->stage[DEM_STAGE_LUBRICATION]);
+  }
   if (dem->shape.flat)
     flatten(dem);
 }

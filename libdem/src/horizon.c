@@ -86,6 +86,8 @@ int dem_horizon(dem_t *dem, double dt, int *free_flight) {
     return PART_OK;
   if (dem->plan.pairs)
     worst[1] = pair_gap(dem);
+  if (dem->plan.lubrication)
+    worst[1] = fmin(worst[1], dem_film_gap(dem));
   if (dem->plan.walls)
     worst[2] = wall_gap(dem, dt);
   worst[0] = -worst[0];

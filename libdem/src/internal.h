@@ -14,6 +14,7 @@
 #include "dem/dem.h"
 #include "fast.h"
 #include "law.h"
+#include "lubrication.h"
 #include "particle/neighbours.h"
 #include "sum.h"
 #include "walls.h"
@@ -62,6 +63,7 @@ typedef struct dem_plan {
   int horizon;    /* one step when no contact can happen before its end */
   int blocks;     /* blocks exist */
   int bonds;      /* there are rules of bonds */
+  int lubrication; /* it is asked for, and two bodies can be near */
   int clumps;     /* clumps exist */
   int all_free;   /* no fixed particles, blocks or clumps */
   int movable;    /* something moves */
@@ -85,6 +87,7 @@ enum dem_stage {
   DEM_STAGE_BLOCKS,
   DEM_STAGE_CLUMPS,
   DEM_STAGE_BONDS,
+  DEM_STAGE_LUBRICATION,
   DEM_STAGE_COUNT
 };
 
@@ -107,6 +110,7 @@ struct dem_t {
   dem_coefs *coefs; /* [materials][materials] */
   dem_walls walls;
   dem_bonds bonds;
+  dem_film film;
 
   int64_t seeds; /* inserted so far */
   size_t seed_capacity;
@@ -270,7 +274,9 @@ int dem_history_sort(dem_t *dem, int *count, void *payload);
  */
 /* Contact forces and torques of pairs into FORCE, TORQUE of own particles, which start at zero. */
 void dem_pair_forces(dem_t *dem, double dt);
-int dem_pair_list_filter(dem_t *dem); /* drop pairs that share a body or a bond */
+/* Own particle i and particle j share neither a body nor a bond. */
+int dem_pair_wanted(const dem_t *dem, int i, int j);
+int dem_pair_list_filter(dem_t *dem); /* drop the others */
 /* The law that all given contacts have in common, -1: they differ, or there is none. */
 int dem_common_law(const dem_t *dem);
 

@@ -73,6 +73,11 @@ static const part_param bond_rows[] = {
 #include "dem/bond_params.def"
 #undef DEM_STRUCT
 };
+static const part_param lubrication_rows[] = {
+#define DEM_STRUCT dem_lubrication
+#include "dem/lubrication_params.def"
+#undef DEM_STRUCT
+};
 static const part_param insert_rows[] = {
 #define DEM_STRUCT dem_insert
 #include "dem/insert_params.def"
@@ -90,5 +95,6 @@ const part_param_table dem_params_table = DEM_TABLE("demProperties", params_rows
 const part_param_table dem_material_table = DEM_TABLE("material", material_rows);
 const part_param_table dem_contact_table = DEM_TABLE("contact", contact_rows);
 const part_param_table dem_bond_table = DEM_TABLE("bond", bond_rows);
+const part_param_table dem_lubrication_table = DEM_TABLE("lubrication", lubrication_rows);
 const part_param_table dem_insert_table = DEM_TABLE("insert", insert_rows);
 const part_param_table dem_wall_table = DEM_TABLE("wall", wall_rows);

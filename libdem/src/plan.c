@@ -139,8 +139,9 @@ static void set_skin(dem_t *dem) {
   dem->skin_most = 0.4 * dem->r_mean;
   for (int c = 0; c < 3; c++)
     if (dem->box.periodic[c])
-      dem->skin_most = fmin(dem->skin_most, 0.49 * (dem->box.hi[c] - dem->box.lo[c]) -
-                                                2.0 * dem->r_max - dem->bonds.widest);
+      dem->skin_most =
+          fmin(dem->skin_most, 0.49 * (dem->box.hi[c] - dem->box.lo[c]) - 2.0 * dem->r_max -
+                                   fmax(dem->bonds.widest, dem->film.range));
   dem->skin_most = fmax(dem->skin_most, first);
   if (!dem->restored || !dem->params.skip)
     dem->skin = first;
@@ -157,6 +158,8 @@ static int work_out(dem_t *dem, const scene *s) {
   part_levels_set(&dem->levels, dem->r_min, dem->r_max);
   if (!dem->restored) /* a sum over ranks has other bits on other ranks: the file has it */
     dem->r_mean = s->r_sum / (double)dem->total;
+  plan->lubrication = dem->film.given && (pairs || all);
+  PART_TRY(dem_film_plan(dem));
   set_skin(dem);
   plan->bonds = dem->bonds.rules > 0;
   plan->rolling = plan->cohesion = all;

@@ -10,6 +10,8 @@ static int make_pairs(dem_t *dem, const int *count, const void *payload) {
   if (dem->plan.bonds)
     PART_TRY(dem_bonds_list(dem, count, payload));
   PART_TRY(dem_pair_list_filter(dem));
+  if (dem->plan.lubrication)
+    PART_TRY(dem_film_list(dem));
   if (dem->plan.tangential && payload != NULL)
     PART_TRY(dem_history_scatter(dem, count, payload));
   return dem_fast_list(dem);
@@ -99,9 +101,10 @@ static int rearrange(dem_t *dem, int balance, int **count, void **payload) {
   return part_agree(dem->comm, status);
 }
 
-/* Bonded partners may be farther away than others: as far as the widest bond was a step ago. */
+/* Bonded partners may be farther away than others: as far as the widest bond was a step ago.
+ * Lubrication reaches farther, too. */
 static double ghost_skin(const dem_t *dem) {
-  return dem->skin + dem->bonds.widest;
+  return dem->skin + fmax(dem->bonds.widest, dem->film.range);
 }
 
 static int rebuild(dem_t *dem, int balance, int **count, void **payload) {

@@ -100,6 +100,14 @@ typedef struct dem_bond {
 } dem_bond;
 extern const part_param_table dem_bond_table;
 
+/* Lubrication between spheres, or discs: Wu et al. 2018, eq. 24 (doc/equations.md, B.11 to B.13). */
+typedef struct dem_lubrication {
+  double viscosity; /* Pa s, of the fluid */
+  double inner_gap; /* m, roughness: below it the force grows no more */
+  double cut_off;   /* gap above which there is none, over the harmonic mean of the diameters */
+} dem_lubrication;
+extern const part_param_table dem_lubrication_table;
+
 /* Insertion of particles. */
 typedef enum { DEM_INSERT_LATTICE, DEM_INSERT_RANDOM, DEM_INSERT_FILE } dem_insert_method;
 typedef enum { DEM_ORIENTATION_RANDOM, DEM_ORIENTATION_AS_IN_FILE } dem_orientation;
@@ -176,6 +184,9 @@ int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact);
  * its bond breaks it is an ordinary pair, once it is not pressed together any more. With dem_read
  * the bonds come from the file, but the rules must be given again, in the same order. */
 int dem_add_bonds(dem_t *dem, int a, int b, const dem_bond *bond);
+
+/* Lubrication between all particles that are not in contact, not to walls. */
+int dem_set_lubrication(dem_t *dem, const dem_lubrication *lubrication);
 
 /* Collective. A wall, known by its name; the materials are there. Triangles [count][3][3] (m, the
  * same on every rank, in any order) for type triangles, 0 and NULL otherwise. The elements of a wall
