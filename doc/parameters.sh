@@ -73,6 +73,8 @@ int main(void) {
   print_table("constant/demProperties, top level", &dem_params_table);
   print_table("constant/demProperties, each entry of `materials`", &dem_material_table);
   print_table("constant/demProperties, each entry of `contacts`", &dem_contact_table);
+  print_table("constant/demProperties, each entry of `bonds`", &dem_bond_table);
+  print_table("constant/demProperties, `lubrication`", &dem_lubrication_table);
   print_table("constant/demProperties, each entry of `walls`", &dem_wall_table);
   print_table("constant/demProperties, each entry of `insertion`", &dem_insert_table);
   print_table("constant/couplingProperties", &cpl_params_table);

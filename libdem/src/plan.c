@@ -232,7 +232,7 @@ int dem_plan_text(const dem_t *dem, size_t size, char *text) {
   else if (isinf(dem->stable_step))
     PART_TRY(
         add_line(size, text, "contact substeps", "nothing can touch", "one substep an advance"));
-  else
+  else if (!plan->bonds)
     PART_TRY(add_line(size, text, "contact substeps before a contact can happen",
                       "bound on gap over way", "all but one substep of such an advance"));
   return PART_OK;

@@ -93,6 +93,15 @@ static void addContacts(dem_t* dem, const dictionary& properties)
   }
 }
 
+static void addLubrication(dem_t* dem, const dictionary& properties)
+{
+  if (!properties.found("lubrication")) return;
+  const dictionary& dict = section(properties, "lubrication");
+  dem_lubrication lubrication;
+  readParams(dict, dem_lubrication_table, &lubrication);
+  checkStatus(dem_set_lubrication(dem, &lubrication), dict);
+}
+
 /* Near pairs of these materials are bonded by dem_start; after a restart the bonds are in the file. */
 static void addBonds(dem_t* dem, const dictionary& properties)
 {
@@ -243,13 +252,14 @@ dem_t* createParticles
   updateParams
   (
     properties, dem_params_table, &params,
-    wordList({"materials", "contacts", "bonds", "walls", "insertion", "insertTime"})
+    wordList({"materials", "contacts", "bonds", "lubrication", "walls", "insertion", "insertTime"})
   );
   dem_t* dem = nullptr;
   checkStatus(dem_create(particleCommunicator(), &box, &params, &dem), properties);
   addMaterials(dem, properties);
   addContacts(dem, properties);
   addBonds(dem, properties);
+  addLubrication(dem, properties);
   addWalls(dem, mesh, properties);
 
   const Time& time = mesh.time();

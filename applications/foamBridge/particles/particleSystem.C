@@ -81,7 +81,7 @@ void particleSystem::reportStep(Ostream& os) const
   }
   os << "Contact step: at most " << step << " s = timeStepFraction " << params_.time_step_fraction
      << " of the shortest contact time (or half period of a bond), " << step/params_.time_step_fraction
-     << " s, of all materials that can meet (doc/equations.md D.11)" << nl;
+     << " s, of all materials that can meet (doc/equations.md D.11, B.9)" << nl;
 }
 
 void particleSystem::report(Ostream& os) const
