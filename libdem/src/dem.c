@@ -155,10 +155,33 @@ int dem_find_material(const dem_t *dem, const char *name, int *number) {
   return status;
 }
 
+/* Hertz' stiffness and adhesion are those of spheres. */
+static int check_flat_contact(const dem_contact *contact) {
+  const char *table = dem_contact_table.name;
+  if (contact->law != DEM_LAW_linear_spring_dashpot)
+    return part_fail(PART_ERR_RANGE,
+                     "%s: entry law: must be linearSpringDashpot with dimensions 2, the others are "
+                     "those of spheres",
+                     table);
+  if (isnan(contact->normal_stiffness))
+    return part_fail(PART_ERR_RANGE,
+                     "%s: entry normalStiffness must be given with dimensions 2, it does not follow "
+                     "from the elastic constants as that of spheres does",
+                     table);
+  if (contact->work_of_adhesion > 0.0)
+    return part_fail(PART_ERR_RANGE,
+                     "%s: entry workOfAdhesion: %g J/m^2 is not allowed with dimensions 2, must be "
+                     "0",
+                     table, contact->work_of_adhesion);
+  return PART_OK;
+}
+
 int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact) {
   PART_TRY(not_started(dem, "dem_set_contact"));
   PART_TRY(part_params_check(&dem_contact_table, contact));
   PART_TRY(dem_laws_check(contact));
+  if (dem->shape.flat)
+    PART_TRY(check_flat_contact(contact));
   const int every = a == -1 && b == -1;
   if (!every && (a < 0 || b < 0 || a >= dem->materials || b >= dem->materials))
     return part_fail(PART_ERR_RANGE,

@@ -36,7 +36,7 @@ static dem_t *make(const plate *p) {
   scene s = scene_default();
   dem_bond bond;
   int grip;
-  const dem_material strong = {"grip", density};
+  const dem_material strong = {.name = "grip", .density = density};
   part_params_default(&dem_bond_table, &bond);
   s.density = density;
   s.params.dimensions = 2;

@@ -279,6 +279,21 @@ static void bad_scenes(void **state) {
   FAILS(PART_ERR_RANGE, "periodic in z", create(&s));
 }
 
+static void bad_contacts(void **state) {
+  (void)state;
+  scene s = flat_scene();
+  dem_t *dem = scene_create(&s);
+  dem_contact contact = s.contact;
+  contact.normal_stiffness = (double)NAN;
+  FAILS(PART_ERR_RANGE, "normalStiffness must be given", dem_set_contact(dem, 0, 0, &contact));
+  OK(part_params_set(&dem_contact_table, "law", NULL, "hertzMindlin", &contact));
+  FAILS(PART_ERR_RANGE, "must be linearSpringDashpot", dem_set_contact(dem, 0, 0, &contact));
+  contact = s.contact;
+  contact.work_of_adhesion = 0.1;
+  FAILS(PART_ERR_RANGE, "entry workOfAdhesion", dem_set_contact(dem, 0, 0, &contact));
+  dem_destroy(dem);
+}
+
 static void bad_insertion(void **state) {
   (void)state;
   scene s = flat_scene();
@@ -322,9 +337,10 @@ static void bad_forces(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(head_on),     cmocka_unit_test(stable_step),   cmocka_unit_test(rolling),
-      cmocka_unit_test(elastic_gas), cmocka_unit_test(vector_path),   cmocka_unit_test(restart),
-      cmocka_unit_test(bad_scenes),  cmocka_unit_test(bad_insertion), cmocka_unit_test(bad_forces),
+      cmocka_unit_test(head_on),      cmocka_unit_test(stable_step),   cmocka_unit_test(rolling),
+      cmocka_unit_test(elastic_gas),  cmocka_unit_test(vector_path),   cmocka_unit_test(restart),
+      cmocka_unit_test(bad_scenes),   cmocka_unit_test(bad_insertion), cmocka_unit_test(bad_forces),
+      cmocka_unit_test(bad_contacts),
   };
   MPI_Init(&argc, &argv);
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);
