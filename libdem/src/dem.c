@@ -85,6 +85,7 @@ void dem_destroy(dem_t *dem) {
   if (dem->timers != NULL)
     part_timers_destroy(dem->timers);
   dem_walls_free(&dem->walls);
+  dem_wear_free(&dem->wear);
   dem_fast_free(&dem->fast);
   dem_bonds_free(&dem->bonds);
   dem_film_free(&dem->film);

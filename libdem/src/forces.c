@@ -31,6 +31,7 @@ static void flatten(dem_t *dem) {
 
 void dem_wall_stage(dem_t *dem, double dt) {
   dem_walls_no_force(dem);
+  dem_wear_pairs(dem, dt);
   if (dem->plan.walls) {
     part_timers_start(dem->timers, dem->stage[DEM_STAGE_WALLS]);
     dem_wall_forces(dem, dt);

@@ -18,6 +18,7 @@
 #include "particle/neighbours.h"
 #include "sum.h"
 #include "walls.h"
+#include "wear.h"
 
 /* Strides of the records, as in particle_fields.def. */
 enum { DEM_XR = 4, DEM_VM = 8, DEM_FT = 8, DEM_FLUID = 8, DEM_META = 4 };
@@ -109,6 +110,7 @@ struct dem_t {
   dem_given_contact *given;
   dem_coefs *coefs; /* [materials][materials] */
   dem_walls walls;
+  dem_wear wear;
   dem_bonds bonds;
   dem_film film;
 

@@ -129,8 +129,8 @@ static int unpack_bonds(dem_t *dem, const double *from, int n) {
   PART_TRY(dem_grow((size_t)bonds->broken, sizeof *bonds->list, &bonds->list_room, &bonds->list));
   from += 2;
   for (int64_t k = 0; k < bonds->broken; k++, from += BROKEN_VALUES)
-    bonds->list[k] = (dem_broken_bond){(int64_t)from[0], (int64_t)from[1], (int64_t)from[2],
-                                       from[3], from[4]};
+    bonds->list[k] =
+        (dem_broken_bond){(int64_t)from[0], (int64_t)from[1], (int64_t)from[2], from[3], from[4]};
   return PART_OK;
 }
 
@@ -275,6 +275,32 @@ static int unpack_walls(dem_t *dem, size_t size, const double *values) {
   return PART_OK;
 }
 
+/* Wear and impacts, for this rank; empty when they are not counted. */
+static int write_wear(dem_t *dem, part_file *file) {
+  const size_t n = dem_wear_size(dem);
+  double *values = NULL;
+  PART_TRY(part_agree(dem->comm, dem_allocate(n, sizeof *values, &values)));
+  dem_wear_pack(dem, values);
+  const int status = part_file_write_blob(file, "demWear", n * sizeof *values, values);
+  free(values);
+  return status;
+}
+
+/* A run that did not count before begins with nothing. */
+static int unpack_wear(dem_t *dem, size_t size, const double *values) {
+  PART_TRY(dem_wear_prepare(dem));
+  const size_t n = dem_wear_size(dem);
+  if (size == 0 || n == 0 || (dem->restored_elsewhere && dem->rank > 0))
+    return PART_OK;
+  if (size % (n * sizeof *values) != 0)
+    return part_fail(PART_ERR_FORMAT, "wear and impacts were not counted for the same things as "
+                                      "now: wearCoefficient and breakageCoefficient must be given "
+                                      "both times or not");
+  for (size_t k = 0; k < size / sizeof *values; k += n)
+    dem_wear_unpack(dem, values + k);
+  return PART_OK;
+}
+
 /* ---- writing --------------------------------------------------------------------------------- */
 static int write_blobs(dem_t *dem, part_file *file) {
   double budget[BUDGET_VALUES];
@@ -283,6 +309,7 @@ static int write_blobs(dem_t *dem, part_file *file) {
   pack_budget(dem, budget);
   PART_TRY(part_file_write_blob(file, "demBudget", sizeof budget, budget));
   PART_TRY(write_walls(dem, file));
+  PART_TRY(write_wear(dem, file));
   int status = part_agree(dem->comm, pack_history(dem, &size, &bytes));
   if (status == PART_OK)
     status = part_file_write_blob(file, "demHistory", size, bytes);
@@ -382,6 +409,11 @@ static int read_blobs(dem_t *dem, part_file *file) {
   bytes = NULL;
   PART_TRY(read_blob(dem, file, "demWalls", &size, &bytes));
   int status = part_agree(dem->comm, unpack_walls(dem, size, bytes));
+  free(bytes);
+  bytes = NULL;
+  PART_TRY(status);
+  PART_TRY(read_blob(dem, file, "demWear", &size, &bytes));
+  status = part_agree(dem->comm, unpack_wear(dem, size, bytes));
   free(bytes);
   bytes = NULL;
   PART_TRY(status);

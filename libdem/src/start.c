@@ -103,6 +103,7 @@ static int prepare_lists(dem_t *dem) {
   PART_TRY(part_pairs_create(DEM_HISTORY_WIDTH(dem_parts(dem)), &dem->pairs));
   dem_walls_move(dem, dem->time, 0.0);
   PART_TRY(dem_walls_facets(&dem->walls));
+  PART_TRY(dem_wear_prepare(dem));
   return dem_walls_bins(&dem->walls, dem->r_max + 2.0 * dem->skin_most);
 }
 

@@ -160,6 +160,7 @@ static void hand_over(dem_walls *walls, int row, const dem_candidate *place, int
     if (from != NULL) {
       memcpy(to->spring, from->spring, sizeof to->spring);
       memcpy(to->roll, from->roll, sizeof to->roll);
+      memcpy(to->n, from->n, sizeof to->n); /* it goes on: no new contact */
       memset(from->n, 0, sizeof from->n);
       memset(from->spring, 0, sizeof from->spring);
     }
@@ -218,8 +219,8 @@ static double inverse_mass(const dem_t *dem, int i, const double n[3]) {
 static double reduced_radius(const dem_element *element, double r) {
   if (element->shape != DEM_SHAPE_CYLINDER)
     return r;
-  const double other = element->side == DEM_WALL_INSIDE ? -1.0 / element->radius
-                                                        : 1.0 / element->radius;
+  const double other =
+      element->side == DEM_WALL_INSIDE ? -1.0 / element->radius : 1.0 / element->radius;
   return 1.0 / sqrt((1.0 / r) * (1.0 / r + other));
 }
 
@@ -260,6 +261,8 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
                history, force, moment);
   memcpy(near->spring, history, sizeof near->spring);
   memcpy(near->roll, history + DEM_SPRING, sizeof near->roll);
+  if (dem->wear.shear_asked || dem->wear.impact_asked)
+    dem_wear_contact(dem, near->element, (int)vm[7], &touch, force, !is_active(near), dt);
   for (int c = 0; c < 3; c++) {
     ft[c] += force[c];
     near->n[c] = n[c];

@@ -186,7 +186,7 @@ static int wall_entries(const dem_t *dem, const dem_near *near) {
 }
 
 static int walls_active(const dem_t *dem) {
-  return dem->plan.tangential && dem->plan.walls;
+  return (dem->plan.tangential || dem->wear.impact_asked) && dem->plan.walls;
 }
 
 static void count_walls(const dem_t *dem, int *count) {

@@ -52,7 +52,7 @@ int dem_get_wall_report(dem_t *dem, int number, dem_wall_report *report) {
   PART_TRY(dem_rank_sum(dem, 13, sums));
   memset(report, 0, sizeof *report);
   report->name = wall->name;
-  report->elements = wall->count;
+  report->elements = wall->given;
   spin_of(wall, report->spin);
   for (int c = 0; c < 3; c++) {
     report->centre[c] = wall->params.centre[c] + wall->pose.way[c];

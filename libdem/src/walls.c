@@ -131,6 +131,7 @@ static int append(dem_t *dem, const char *name, int material, const dem_wall_par
   wall->material = material;
   wall->first = (int)walls->elements;
   wall->params = *params;
+  wall->given = (int)n;
   if (triangles)
     PART_TRY(set_triangles(dem, element, &count, vertices));
   else

@@ -31,6 +31,7 @@ typedef struct dem_pose {
 typedef struct dem_wall {
   char name[256];
   int material, first, count; /* elements first .. first+count-1 */
+  int given;                  /* how many were given */
   int moves, turns;
   dem_wall_params params; /* directions are unit vectors */
   double sweep;           /* m, largest distance from the axis of what sweeps when the wall turns */

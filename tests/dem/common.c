@@ -56,7 +56,7 @@ scene scene_with_law(int law) {
 dem_t *scene_create(const scene *s) {
   dem_t *dem;
   dem_material glass = {.name = "glass", .density = s->density, .youngs_modulus = s->young,
-                        .poisson_ratio = s->poisson};
+                        .poisson_ratio = s->poisson, .breakage_coefficient = s->breakage};
   OK(dem_create(s->comm, &s->box, &s->params, &dem));
   OK(dem_add_material(dem, &glass, NULL));
   OK(dem_set_contact(dem, -1, -1, &s->contact));

@@ -38,7 +38,7 @@ typedef struct scene {
   MPI_Comm comm;
   part_box box;
   dem_params params;
-  double density, young, poisson; /* 0: as not given */
+  double density, young, poisson, breakage; /* 0: as not given */
   dem_contact contact;
 } scene;
 /* Rows of contact_laws.def, and a scene with that law, stiffness about as that of scene_default. */

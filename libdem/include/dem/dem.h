@@ -69,6 +69,7 @@ typedef struct dem_material {
   double density;        /* kg/m3 */
   double youngs_modulus; /* Pa; 0: not given */
   double poisson_ratio;  /* NaN: not given; needed with youngs_modulus */
+  double breakage_coefficient; /* kg/J, C_br of Gao and Sun 2011 eq. 13; 0: impacts are not counted */
 } dem_material;
 extern const part_param_table dem_material_table;
 
@@ -81,6 +82,7 @@ typedef struct dem_contact {
   double friction;         /* Coulomb coefficient, >= 0 */
   double rolling_friction; /* largest rolling moment over (reduced radius x normal force), >= 0 */
   double work_of_adhesion; /* J/m2, >= 0 */
+  double wear_coefficient; /* m3/J, C_wr of Gao and Sun 2011 eq. 12, of the wall; 0: not counted */
 } dem_contact;
 extern const part_param_table dem_contact_table;
 
@@ -317,6 +319,21 @@ typedef struct dem_wall_report {
 } dem_wall_report;
 /* Collective. The impulses of all walls together are -wall_impulse of dem_report to round-off. */
 int dem_get_wall_report(dem_t *dem, int wall, dem_wall_report *report);
+
+/* Wear (Gao and Sun 2011, eq. 12), with a wear_coefficient in some contact. Collective. For each
+ * element of a wall as given (dem_wall_report.elements of them): shear[elements][materials], energy
+ * (J) that particles of each material left on it since the start; volume[elements] (m3) worn off;
+ * area[elements] (m2), infinite for what has no end: volume/area is the thickness. Any may be NULL. */
+int dem_get_wear(dem_t *dem, int wall, double *shear, double *volume, double *area);
+
+typedef struct dem_impact {
+  double energy;   /* J, m_eff v_n^2/2 of all impacts since the start; of two particles half to each */
+  double mass;     /* kg, of the particles now */
+  double breakage; /* eq. 13: C_br energy/mass */
+} dem_impact;
+/* Breakage (eq. 13) of the particles of a material, with a breakage_coefficient in some material.
+ * Collective. */
+int dem_get_impact(dem_t *dem, int material, dem_impact *impact);
 
 /* Position (m, of the mean of the members, unwrapped) and velocity (m/s) of a block. Collective. */
 int dem_block_state(dem_t *dem, int block, double position[3], double velocity[3]);
