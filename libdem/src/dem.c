@@ -138,6 +138,13 @@ int dem_add_material(dem_t *dem, const dem_material *material, int *number) {
   return PART_OK;
 }
 
+int dem_material_count(const dem_t *dem) {
+  return dem->materials;
+}
+const char *dem_material_name(const dem_t *dem, int number) {
+  return number >= 0 && number < dem->materials ? dem->material[number].name : NULL;
+}
+
 int dem_find_material(const dem_t *dem, const char *name, int *number) {
   const char **names = NULL;
   for (int m = 0; m < dem->materials; m++)
@@ -208,6 +215,8 @@ double dem_time(const dem_t *dem) {
 }
 void dem_set_time(dem_t *dem, double time) {
   dem->time = time;
+  if (dem->started)
+    dem_walls_move(dem, time, 0.0);
 }
 double dem_stable_step(const dem_t *dem) {
   return dem->stable_step;

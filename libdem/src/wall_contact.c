@@ -2,9 +2,11 @@
 /* Contact of particles with walls: the same laws with a partner of infinite mass that moves as the
  * wall does.
  *
- * A sphere may meet several triangles at once. Faces come first, then edges, then vertices, the
- * nearest first among equals; a further place p counts only when it lies above the plane through
- * the contact q of every contact taken before, with normal n_q: (p - q) . n_q > 0. On coplanar or
+ * A sphere may meet several triangles at once. The nearest place comes first, at one distance a
+ * face before an edge before a vertex (how far an edge is hardly tells a place beside it from one
+ * below the centre: the direction would be wrong by the root of rounding); a further place p counts
+ * only when it lies above the plane through the contact q of every contact taken before, with
+ * normal n_q: (p - q) . n_q > 0. On coplanar or
  * convex neighbours all other places are on or below that plane (it supports a convex body), so
  * exactly one contact is left; a place above it is a second surface that the sphere really meets.
  *
@@ -24,6 +26,7 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* At one distance. */
 static int before(const dem_candidate *a, const dem_candidate *b) {
   if (a->feature != b->feature)
     return a->feature < b->feature;
@@ -96,8 +99,8 @@ static int place_of(const dem_t *dem, const dem_near *near, const double *x, fra
   return found->gap < x[3];
 }
 
-/* Places of a row within the sphere, in the order in which they are taken; *least: square of a
- * distance within which there is no element. */
+/* Places of a row within the sphere; *least: square of a distance within which there is no element.
+ */
 static int find(const dem_t *dem, int row, const double *x, dem_candidate *place, double *least) {
   const dem_walls *walls = &dem->walls;
   frame at = {.wall = -1};
@@ -108,23 +111,37 @@ static int find(const dem_t *dem, int row, const double *x, dem_candidate *place
     dem_candidate found = {.entry = k, .order = near->element * DEM_SHIFTS + near->shift};
     if (!place_of(dem, near, x, &at, least, &found))
       continue;
-    int to = count++;
-    for (; to > 0 && before(&found, &place[to - 1]); to--)
-      place[to] = place[to - 1];
-    place[to] = found;
+    place[count++] = found;
   }
   return count;
+}
+
+/* The place that is taken next. */
+static int next_place(const dem_candidate *place, int count, double r) {
+  double nearest = HUGE_VAL;
+  int best = -1;
+  for (int k = 0; k < count; k++)
+    nearest = fmin(nearest, place[k].gap);
+  for (int k = 0; k < count; k++)
+    if (place[k].gap <= nearest + touch_margin * r && (best < 0 || before(&place[k], &place[best])))
+      best = k;
+  return best;
 }
 
 /* Keep the places that are not covered by one before; returns how many. */
 static int select(dem_candidate *place, int count, double r) {
   int kept = 0;
-  for (int k = 0; k < count; k++) {
-    int covered = 0;
-    for (int m = 0; m < kept && !covered; m++)
-      covered = dot(place[k].p, place[m].n) + place[m].gap <= covered_height * r;
-    if (!covered)
-      place[kept++] = place[k];
+  while (kept < count) {
+    const int best = kept + (count - kept > 1 ? next_place(place + kept, count - kept, r) : 0);
+    const dem_candidate one = place[best];
+    int left = kept + 1;
+    place[best] = place[kept];
+    place[kept] = one;
+    for (int k = kept + 1; k < count; k++)
+      if (dot(place[k].p, one.n) + one.gap > covered_height * r)
+        place[left++] = place[k];
+    kept++;
+    count = left;
   }
   return kept;
 }
@@ -163,6 +180,7 @@ static void hand_over(dem_walls *walls, int row, const dem_candidate *place, int
       memcpy(to->n, from->n, sizeof to->n); /* it goes on: no new contact */
       memset(from->n, 0, sizeof from->n);
       memset(from->spring, 0, sizeof from->spring);
+      memset(from->roll, 0, sizeof from->roll);
     }
   }
   for (int k = walls->start[row]; k < walls->start[row + 1]; k++)
@@ -180,7 +198,7 @@ static void add_to_wall(dem_t *dem, dem_wall *wall, const double lever[3], const
     const int d = (c + 1) % 3, e = (c + 2) % 3;
     dem->wall_force[c] += force[c];
     wall->force[c] -= force[c];
-    wall->torque[c] -= lever[d] * force[e] - lever[e] * force[d];
+    wall->torque[c] -= lever[d] * force[e] - lever[e] * force[d] + moment[c];
   }
 }
 
@@ -216,12 +234,22 @@ static double inverse_mass(const dem_t *dem, int i, const double n[3]) {
 
 /* Of a contact with the surface. The curvature of a cylinder is along one direction; the area of a
  * Hertzian contact goes with the root of the product of both. Edges and vertices count as flat. */
-static double reduced_radius(const dem_element *element, double r) {
-  if (element->shape != DEM_SHAPE_CYLINDER)
-    return r;
-  const double other =
-      element->side == DEM_WALL_INSIDE ? -1.0 / element->radius : 1.0 / element->radius;
-  return 1.0 / sqrt((1.0 / r) * (1.0 / r + other));
+static double reduced_radius(const dem_t *dem, const dem_near *near, const dem_candidate *place,
+                             const double *x) {
+  const dem_element *e = &dem->walls.element[near->element];
+  if (e->shape != DEM_SHAPE_CYLINDER || place->feature != 0)
+    return x[3];
+  double along = 0.0, from = 0.0, seen[3];
+  dem_wall_see(dem, &dem->walls.wall[e->wall], near->shift, x, seen);
+  for (int c = 0; c < 3; c++) {
+    along += (seen[c] - e->a[c]) * e->n[c];
+    from += (seen[c] - e->a[c]) * (seen[c] - e->a[c]);
+  }
+  if (e->length > 0.0 && !(along >= 0.0 && along <= e->length)) /* flat end of a rod */
+    return x[3];
+  const int inside = e->side == DEM_WALL_INSIDE &&
+                     (e->length == 0.0 || from - along * along < e->radius * e->radius);
+  return 1.0 / sqrt((1.0 / x[3]) * (1.0 / x[3] + (inside ? -1.0 : 1.0) / e->radius));
 }
 
 static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt) {
@@ -244,7 +272,7 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
   const double unit = dem->fast.spins ? 1.0 / x[3] : 1.0;
   const double w[3] = {vm[4] * unit, vm[5] * unit, vm[6] * unit};
   memcpy(touch.spin, w, sizeof touch.spin);
-  touch.radius = reduced_radius(element, x[3]);
+  touch.radius = reduced_radius(dem, near, place, x);
   touch.overlap = x[3] - place->gap;
   const double arm = place->gap + 0.5 * touch.overlap;
   touch.v[0] = vm[0] - arm * (w[1] * n[2] - w[2] * n[1]);
@@ -254,8 +282,10 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
   if (wall->moves) {
     double v[3];
     surface_velocity(wall, lever, v);
-    for (int c = 0; c < 3; c++)
+    for (int c = 0; c < 3; c++) {
       touch.v[c] -= v[c];
+      touch.spin[c] -= wall->spin[c];
+    }
   }
   dem_laws_any(&dem->coefs[(int)vm[7] * dem->materials + element->material], &touch, parts, dt,
                history, force, moment);
@@ -267,7 +297,7 @@ static void touch_wall(dem_t *dem, int i, const dem_candidate *place, double dt)
     ft[c] += force[c];
     near->n[c] = n[c];
   }
-  add_to_wall(dem, wall, lever, force);
+  add_to_wall(dem, wall, lever, force, moment);
   if (parts & DEM_SLIDING) {
     ft[4] += unit * (moment[0] + arm * (n[2] * force[1] - n[1] * force[2]));
     ft[5] += unit * (moment[1] + arm * (n[0] * force[2] - n[2] * force[0]));

@@ -12,13 +12,6 @@ void dem_walls_no_force(dem_t *dem) {
   }
 }
 
-static void spin_of(const dem_wall *wall, double spin[3]) {
-  const double(*g)[3] = wall->pose.gain;
-  spin[0] = 0.5 * (g[2][1] - g[1][2]);
-  spin[1] = 0.5 * (g[0][2] - g[2][0]);
-  spin[2] = 0.5 * (g[1][0] - g[0][1]);
-}
-
 void dem_walls_add_impulse(dem_t *dem, double h) {
   for (int w = 0; w < dem->walls.count; w++) {
     dem_wall *wall = &dem->walls.wall[w];
@@ -26,10 +19,9 @@ void dem_walls_add_impulse(dem_t *dem, double h) {
     dem_sum_add(&wall->spin_impulse, wall->torque, h);
     if (!wall->moves)
       continue;
-    double spin[3], work[3] = {0.0, 0.0, 0.0};
-    spin_of(wall, spin);
+    double work[3] = {0.0, 0.0, 0.0};
     for (int c = 0; c < 3; c++)
-      work[0] -= wall->force[c] * wall->pose.drift[c] + wall->torque[c] * spin[c];
+      work[0] -= wall->force[c] * wall->pose.drift[c] + wall->torque[c] * wall->spin[c];
     dem_sum_add(&wall->work, work, h);
   }
 }
@@ -53,7 +45,7 @@ int dem_get_wall_report(dem_t *dem, int number, dem_wall_report *report) {
   memset(report, 0, sizeof *report);
   report->name = wall->name;
   report->elements = wall->given;
-  spin_of(wall, report->spin);
+  memcpy(report->spin, wall->spin, sizeof report->spin);
   for (int c = 0; c < 3; c++) {
     report->centre[c] = wall->params.centre[c] + wall->pose.way[c];
     report->velocity[c] = wall->pose.drift[c];

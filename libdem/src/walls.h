@@ -35,6 +35,7 @@ typedef struct dem_wall {
   int moves, turns;
   dem_wall_params params; /* directions are unit vectors */
   double sweep;           /* m, largest distance from the axis of what sweeps when the wall turns */
+  double spin[3];         /* rad/s, now */
   double wrap[3];         /* m, whole periods taken off the shift when the lists were built */
   dem_pose pose, listed;  /* now; when the lists were built */
   double force[3], torque[3];          /* on the wall, by own particles, now */

@@ -86,6 +86,11 @@ void dem_wear_pairs(dem_t *dem, double dt) {
     }
 }
 
+void dem_wear_counted(const dem_t *dem, int *shear, int *impacts) {
+  *shear = dem->wear.shear_asked;
+  *impacts = dem->wear.impact_asked;
+}
+
 /* ---- queries -----------------------------------------------------------------------------------
  */
 static double wear_coefficient(const dem_t *dem, int a, int b) {

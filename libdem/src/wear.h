@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Wear of walls and impacts on particles (Gao and Sun 2011, eq. 12 and 13; doc/equations.md D.20).
+/* Wear of walls and impacts on particles (Gao and Sun 2011, eq. 12 and 13; doc/equations.md D.19, D.20).
  * Only when a coefficient is given. */
 #ifndef DEM_WEAR_H
 #define DEM_WEAR_H

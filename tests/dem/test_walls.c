@@ -84,6 +84,104 @@ static void same_as_plane(void **state) {
   free(vertices);
 }
 
+/* Meshes on which the track z = 0, x = t (cos, sin) runs exactly along edges and through vertices,
+ * made of slivers, or with all triangles meeting in one vertex on the track. */
+static int regular(int nx, int ny, double *v) {
+  double *to = v;
+  for (int j = 0; j < ny; j++)
+    for (int i = 0; i < nx; i++) {
+      const int corner[6][2] = {{i, j}, {i + 1, j},     {i + 1, j + 1},
+                                {i, j}, {i + 1, j + 1}, {i, j + 1}};
+      for (int k = 0; k < 6; k++) {
+        *to++ = 0.3 * ((double)corner[k][0] / nx - 0.5);
+        *to++ = 0.3 * ((double)corner[k][1] / ny - 0.5);
+        *to++ = 0.0;
+      }
+    }
+  return 2 * nx * ny;
+}
+
+static int fan(int n, double *v) {
+  double *to = v;
+  const double hub[3] = {0.04, 0.0, 0.0};
+  for (int k = 0; k < n; k++) {
+    const double a[2] = {2.0 * PI * k / n, 2.0 * PI * (k + 1) / n};
+    memcpy(to, hub, sizeof hub);
+    for (int m = 0; m < 2; m++) {
+      to[3 + 3 * m] = hub[0] + 0.2 * cos(a[m]);
+      to[4 + 3 * m] = hub[1] + 0.2 * sin(a[m]);
+      to[5 + 3 * m] = 0.0;
+    }
+    to += 9;
+  }
+  return n;
+}
+
+static void along_edges(void **state) {
+  (void)state;
+  const double angle[] = {0.0, PI / 2, PI / 4, 0.4};
+  double *v = malloc(18 * 60 * 60 * sizeof *v);
+  for (int k = 0; k < 4; k++) {
+    int contacts;
+    const track t = {angle[k], 0.3, 0.8, {0.0, 0.0, 1.0}, 0.0};
+    const body plane = run_track(&t, 0, NULL, &contacts);
+    for (int m = 0; m < 6; m++) {
+      const int n = m == 0   ? regular(60, 60, v) /* 5 mm, half the radius */
+                    : m == 1 ? regular(6, 6, v)
+                    : m == 2 ? regular(1500, 1, v) /* 0.2 mm wide, 300 mm long */
+                    : m == 3 ? regular(2, 1500, v)
+                    : m == 4 ? fan(8, v)
+                             : fan(720, v);
+      const body b = run_track(&t, n, v, &contacts);
+      assert_int_equal(contacts, 1);
+      for (int c = 0; c < 3; c++) {
+        CLOSE(b.x[c], plane.x[c], 1e-10);
+        CLOSE(b.v[c], plane.v[c], 1e-9);
+        CLOSE(b.w[c], plane.w[c], 1e-7);
+      }
+    }
+  }
+  free(v);
+}
+
+/* A sphere that rolls off a sharp edge pivots about it without slip, 7/10 v^2 + g r cos constant,
+ * and leaves it where v^2 = g r cos. */
+static void over_the_edge(void **state) {
+  (void)state;
+  const double g = 9.81, r = 0.01, v0 = 0.15;
+  const double top[3] = {-0.1, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
+  const double front[3] = {0.0, 0.0, -0.1}, out[3] = {1.0, 0.0, 0.0};
+  const double x[3] = {-0.02, 0.003, r}, v[3] = {v0, 0.0, 0.0};
+  static double vertices[2 * 18 * 900];
+  scene s = scene_default();
+  s.comm = MPI_COMM_SELF;
+  s.params.gravity[2] = -g;
+  s.contact.normal_stiffness = 1e6;
+  s.contact.friction = 50.0;
+  s.contact.restitution = 0.2;
+  dem_t *dem = scene_create(&s);
+  dem_report report;
+  add_sphere(dem, DEM_FREE, -1, x, r, v);
+  int n = triangulated_square(top, up, 0.2, 30, vertices);
+  n += triangulated_square(front, out, 0.2, 30, vertices + 9 * n);
+  OK(dem_add_triangles(dem, "table", 0, n, vertices));
+  OK(dem_start(dem));
+  part_store *store = dem_store(dem);
+  part_field_double(store, DEM_FIELD_ANGULAR_VELOCITY)[1] = v0 / r;
+  OK(dem_advance(dem, 1e-2, NULL));
+  do {
+    OK(dem_advance(dem, 5e-4, NULL));
+    OK(dem_get_report(dem, &report));
+    assert_true(report.wall_contacts <= 1);
+  } while (report.wall_contacts > 0);
+  const double cosine = (0.7 * v0 * v0 / (g * r) + 1.0) / 1.7, speed = sqrt(g * r * cosine);
+  const body b = find(dem, s.comm, 0);
+  CLOSE(b.v[0], speed * cosine, 5e-3 * speed);
+  CLOSE(b.w[1] * r, speed, 5e-3 * speed);
+  CLOSE(b.v[1], 0.0, 1e-9);
+  dem_destroy(dem);
+}
+
 /* Number of contacts of a sphere with r = 1 cm at x. */
 static int contacts_at(const double x[3], int triangles, const double *vertices) {
   scene s = scene_default();
@@ -202,10 +300,9 @@ static void bad_walls(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(same_as_plane),
-      cmocka_unit_test(edges_and_vertices),
-      cmocka_unit_test(periodic_floor),
-      cmocka_unit_test(bad_walls),
+      cmocka_unit_test(same_as_plane),  cmocka_unit_test(along_edges),
+      cmocka_unit_test(over_the_edge),  cmocka_unit_test(edges_and_vertices),
+      cmocka_unit_test(periodic_floor), cmocka_unit_test(bad_walls),
   };
   MPI_Init(&argc, &argv);
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -51,7 +51,11 @@ static void one_impact(void **state) {
       OK(dem_advance(dem, 1e-3, NULL));
     const double m = sphere_mass(s.density, r), after = v_t - 3.5 * mu * (1.0 + e) * v_n;
     const double energy = m / 7.0 * (v_t * v_t - after * after), hit = 0.5 * m * v_n * v_n;
-    assert_true(after > 0.0);
+    int counted[2];
+    dem_wear_counted(dem, &counted[0], &counted[1]);
+    assert_true(after > 0.0 && counted[0] && counted[1]);
+    assert_string_equal(dem_material_name(dem, 0), "glass");
+    assert_int_equal(dem_material_count(dem), 1);
     OK(dem_get_wear(dem, 0, shear, volume, area));
     CLOSE(shear[0], 0.0, 0.0);
     CLOSE(shear[1], energy, 1e-3 * energy);

@@ -5,6 +5,7 @@
 #include "foamMesh.H"
 #include "foamParams.H"
 #include "particleCloud.H"
+#include "wearTables.H"
 
 namespace Foam
 {
@@ -62,6 +63,7 @@ void particleSystem::write()
   );
   dem_set_time(dem_, mesh_.time().value()); // that of a restart
   writeParticleCloud(mesh_, dem_store(dem_), particleCommunicator());
+  writeWear(dem_, mesh_.time());
 }
 
 void particleSystem::reportPlan(Ostream& os) const

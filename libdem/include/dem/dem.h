@@ -175,6 +175,8 @@ void dem_destroy(dem_t *dem);
 /* Materials get numbers 0, 1, ... in the order they are added; names are unique. */
 int dem_add_material(dem_t *dem, const dem_material *material, int *number);
 int dem_find_material(const dem_t *dem, const char *name, int *number); /* error: nearest name */
+int dem_material_count(const dem_t *dem);
+const char *dem_material_name(const dem_t *dem, int number); /* NULL: no such material */
 /* Contact of a pair of materials (both orders); a pair without one uses that of (-1, -1). ERR_RANGE
  * when it gives what its law does not use; what it lacks is found by dem_start. */
 int dem_set_contact(dem_t *dem, int a, int b, const dem_contact *contact);
@@ -256,6 +258,7 @@ long long dem_generation(const dem_t *dem);
 int dem_kick(dem_t *dem, const double *impulse);
 
 double dem_time(const dem_t *dem); /* s, since the start of the simulation */
+/* Walls that move go to where they are then. */
 void dem_set_time(dem_t *dem, double time);
 double dem_stable_step(const dem_t *dem); /* s; infinite when nothing can touch */
 
@@ -325,6 +328,9 @@ int dem_get_wall_report(dem_t *dem, int wall, dem_wall_report *report);
  * (J) that particles of each material left on it since the start; volume[elements] (m3) worn off;
  * area[elements] (m2), infinite for what has no end: volume/area is the thickness. Any may be NULL. */
 int dem_get_wear(dem_t *dem, int wall, double *shear, double *volume, double *area);
+
+/* Is wear counted, are impacts? Known from dem_start on. Local. */
+void dem_wear_counted(const dem_t *dem, int *shear, int *impacts);
 
 typedef struct dem_impact {
   double energy;   /* J, m_eff v_n^2/2 of all impacts since the start; of two particles half to each */
