@@ -191,9 +191,10 @@ static void hand_over(dem_walls *walls, int row, const dem_candidate *place, int
     }
 }
 
-/* Force of a contact on the particle into the sums of the wall; lever: contact point from `from`.
- */
-static void add_to_wall(dem_t *dem, dem_wall *wall, const double lever[3], const double force[3]) {
+/* Force and moment of a contact on the particle into the sums of the wall; lever: contact point from
+ * `from`. */
+static void add_to_wall(dem_t *dem, dem_wall *wall, const double lever[3], const double force[3],
+                        const double moment[3]) {
   for (int c = 0; c < 3; c++) {
     const int d = (c + 1) % 3, e = (c + 2) % 3;
     dem->wall_force[c] += force[c];

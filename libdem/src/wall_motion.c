@@ -133,9 +133,10 @@ void dem_walls_move(dem_t *dem, double t, double h) {
     if (!wall->moves)
       continue;
     set_pose(wall, t, h, &wall->pose);
-    const double(*g)[3] = wall->pose.gain;
-    for (int c = 0; c < 3; c++)
-      wall->spin[c] = 0.5 * (g[(c + 2) % 3][(c + 1) % 3] - g[(c + 1) % 3][(c + 2) % 3]);
+    for (int c = 0; c < 3; c++) {
+      const int d = (c + 1) % 3, e = (c + 2) % 3;
+      wall->spin[c] = 0.5 * (wall->pose.gain[e][d] - wall->pose.gain[d][e]);
+    }
     most = fmax(most, way_between(dem, wall, &before, &wall->pose));
     since = fmax(since, way_between(dem, wall, &wall->listed, &wall->pose));
   }
