@@ -58,13 +58,15 @@ static void add_impulses(dem_t *dem, double h) {
 
 static int substep(dem_t *dem, double t, double h, int fluid) {
   add_impulses(dem, 0.5 * h);
-  dem_free_kick_drift(dem, t, h, fluid);
+  double way = dem_free_kick_drift(dem, t, h, fluid);
   if (dem->plan.blocks)
-    dem_blocks_kick_drift(dem, t, h);
-  if (dem->plan.clumps)
+    way = fmax(way, dem_blocks_kick_drift(dem, t, h));
+  if (dem->plan.clumps) {
     dem_clumps_kick_drift(dem, t, h, fluid);
+    way = -1.0; /* members turn */
+  }
   dem_walls_move(dem, t + h, h);
-  PART_TRY(dem_refresh(dem, -1.0));
+  PART_TRY(dem_refresh(dem, way));
   PART_TRY(dem_forces(dem, h));
   add_impulses(dem, 0.5 * h);
   dem_free_kick(dem, t + 0.5 * h, h, fluid);
@@ -79,11 +81,10 @@ static int substep(dem_t *dem, double t, double h, int fluid) {
 /* n substeps with the two half kicks between drifts taken as one, in the contact loop's own pass
  * over the particles (fast.h). */
 static int fused_substeps(dem_t *dem, double t0, double h, int n) {
-  double way;
   add_impulses(dem, 0.5 * h);
-  dem_free_kick_drift(dem, t0, h, 0);
+  double way = dem_free_kick_drift(dem, t0, h, 0);
   dem_walls_move(dem, t0 + h, h);
-  PART_TRY(dem_refresh(dem, -1.0));
+  PART_TRY(dem_refresh(dem, way));
   dem_no_forces(dem);
   for (int s = 0; s < n - 1; s++) {
     dem_wall_stage(dem, h);

@@ -110,8 +110,16 @@ static void move_blocks(dem_t *dem, double t, double h, double drift_h) {
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_BLOCKS]);
 }
 
-void dem_blocks_kick_drift(dem_t *dem, double t, double h) {
+double dem_blocks_kick_drift(dem_t *dem, double t, double h) {
+  double most = 0.0;
   move_blocks(dem, t, 0.5 * h, h);
+  for (int b = 0; b < dem->blocks; b++) {
+    const double *s = dem->block[b].shift;
+    const double way2 = s[0] * s[0] + s[1] * s[1] + s[2] * s[2];
+    if (dem->block[b].members > 0)
+      most = way2 > most ? way2 : most;
+  }
+  return sqrt(most);
 }
 void dem_blocks_kick(dem_t *dem, double t, double h) {
   move_blocks(dem, t, 0.5 * h, 0.0);

@@ -3,8 +3,9 @@
  * scene, processor or compiler takes the plain loop of contact.c, which gives the same to
  * round-off.
  *
- * - The half list is flat, sorted by i, and padded to whole blocks of 8 pairs; springs are kept
- *   beside it, component by component, in the order of pairs.
+ * - The list is flat, in chunks of rows, and padded to whole blocks of 8 pairs; springs are kept
+ *   beside it, component by component, in its order. It holds the pairs that may touch soon
+ *   (fast_list.c).
  * - A block loads whole records of 8 (or 4) pairs and transposes them. Forces go back by adding
  *   whole records, so that pairs of one block may share a particle.
  * - During an advance (dem->fast.spins) the records hold u = r omega and torque/r instead: the
@@ -16,7 +17,7 @@
 
 #include <stddef.h>
 
-enum { DEM_BLOCK_PAIRS = 8, DEM_CHUNK_PAIRS = 256, DEM_FETCH_AHEAD = 32 };
+enum { DEM_BLOCK_PAIRS = 8, DEM_CHUNK_PAIRS = 256, DEM_FETCH_AHEAD = 64 };
 
 struct dem_coefs;
 
@@ -24,7 +25,7 @@ struct dem_coefs;
 typedef struct dem_lanes {
   const double *xr, *vm;
   double *ft;
-  int *i, *j;         /* [pairs, padded with i = j = 0] */
+  unsigned *i, *j;    /* [pairs, padded with i = j = 0] 8 times the numbers: fast_lanes.h */
   double *history[6]; /* [pairs, padded] m; springs of sliding, then of rolling */
   unsigned char *was; /* [blocks] sparse only: pairs whose history may not be zero */
   const struct dem_coefs *coefs;
@@ -68,21 +69,32 @@ typedef struct dem_fast {
   int spins; /* records hold r omega and torque/r */
   int sparse;
   int pairs; /* padded */
-  int *i, *j;
+  unsigned *i, *j;
+  int *slot;            /* [pairs] place in the neighbour list, -1: padding */
+  int *complete;        /* [chunks] rows whose pairs are all in this chunk and those before */
+  double inner;         /* m, every pair with a smaller gap was taken into the list */
+  double way, last_way; /* m, bound of any particle's way since then; in the last step */
   double *history[6], *kick;
   unsigned char *was;
   size_t room;
 } dem_fast;
 
 struct dem_t;
-/* After dem_make_plan: choose the kernels. */
+/* Collective, after dem_make_plan: choose the kernels, the same on every rank. */
 void dem_fast_choose(struct dem_t *dem);
-/* Widest vector allowed from now on, 1: plain loop, 0: any; for tests and benchmarks. */
+/* Collective. Widest vector allowed from now on, 1: plain loop, 0: any; for tests and benchmarks.
+ */
 int dem_fast_limit(struct dem_t *dem, int width);
 
-/* Flat list from the pairs just built, and springs back into the pairs before they are read. */
+/* Inner list from the pairs just built, and springs back into the pairs before they are read. */
 int dem_fast_list(struct dem_t *dem);
 void dem_fast_return(const struct dem_t *dem);
+/* A good width of the inner skin (m) when particles move by `way` (m) in a substep. */
+double dem_fast_inner(const struct dem_t *dem, double way);
+/* Before forces: make the list again when others may touch by now. */
+void dem_fast_update(struct dem_t *dem);
+/* Every particle has moved by at most `way` (m; infinite: not known). */
+void dem_fast_moved(struct dem_t *dem, double way);
 /* Records to r omega and torque/r, and back. */
 void dem_fast_enter(struct dem_t *dem);
 void dem_fast_leave(struct dem_t *dem);

@@ -8,6 +8,11 @@
 
 #define SHUFFLE __builtin_shufflevector
 
+/* Records of 4 and of 8 doubles of the particle with number place/8: addresses that a load can work
+ * out itself. */
+#define quad_at(base, place) ((quad *)((char *)(base) + 4 * (size_t)(place)))
+#define record_at(base, place) ((vec *)((char *)(base) + 8 * (size_t)(place)))
+
 #if DEM_WIDTH == 8
 
 /* [8 records][4] -> [4][8 lanes]. */
@@ -44,28 +49,30 @@ static inline void transpose_8(vec v[8]) {
 }
 
 /* record[i] + sign * record[j] of 8 components. */
-static inline void load_8(const double *record, const int *i, const int *j, vec sign, vec v[8]) {
+static inline void load_8(const double *record, const unsigned *i, const unsigned *j, vec sign,
+                          vec v[8]) {
   for (int k = 0; k < 8; k++)
-    v[k] = *(const vec *)(record + 8 * (long)i[k]) + sign * *(const vec *)(record + 8 * (long)j[k]);
+    v[k] = *record_at(record, i[k]) + sign * *record_at(record, j[k]);
   transpose_8(v);
 }
 
 /* record[i] += v, record[j] += sign * v. */
-static inline void add_8(double *record, const int *i, const int *j, vec sign, vec v[8]) {
+static inline void add_8(double *record, const unsigned *i, const unsigned *j, vec sign, vec v[8]) {
   transpose_8(v);
   for (int k = 0; k < 8; k++) {
-    *(vec *)(record + 8 * (long)i[k]) += v[k];
-    *(vec *)(record + 8 * (long)j[k]) += sign * v[k];
+    *record_at(record, i[k]) += v[k];
+    *record_at(record, j[k]) += sign * v[k];
   }
 }
 
 /* record[i] += v, record[j] += w. */
-static inline void add_8_two(double *record, const int *i, const int *j, vec v[8], vec w[8]) {
+static inline void add_8_two(double *record, const unsigned *i, const unsigned *j, vec v[8],
+                             vec w[8]) {
   transpose_8(v);
   transpose_8(w);
   for (int k = 0; k < 8; k++) {
-    *(vec *)(record + 8 * (long)i[k]) += v[k];
-    *(vec *)(record + 8 * (long)j[k]) += w[k];
+    *record_at(record, i[k]) += v[k];
+    *record_at(record, j[k]) += w[k];
   }
 }
 
@@ -88,11 +95,12 @@ typedef struct halves {
   quad lo, hi;
 } halves;
 
-static inline void load_8(const double *record, const int *i, const int *j, halves sign, vec v[8]) {
+static inline void load_8(const double *record, const unsigned *i, const unsigned *j, halves sign,
+                          vec v[8]) {
   quad lo[4], hi[4];
   for (int k = 0; k < 4; k++) {
-    const quad *a = (const quad *)(record + 8 * (long)i[k]);
-    const quad *b = (const quad *)(record + 8 * (long)j[k]);
+    const quad *a = record_at(record, i[k]);
+    const quad *b = record_at(record, j[k]);
     lo[k] = a[0] + sign.lo * b[0];
     hi[k] = a[1] + sign.hi * b[1];
   }
@@ -100,12 +108,13 @@ static inline void load_8(const double *record, const int *i, const int *j, halv
   to_lanes_4(hi, v + 4);
 }
 
-static inline void add_8(double *record, const int *i, const int *j, halves sign, vec v[8]) {
+static inline void add_8(double *record, const unsigned *i, const unsigned *j, halves sign,
+                         vec v[8]) {
   quad lo[4], hi[4];
   to_lanes_4(v, lo);
   to_lanes_4(v + 4, hi);
   for (int k = 0; k < 4; k++) {
-    quad *a = (quad *)(record + 8 * (long)i[k]), *b = (quad *)(record + 8 * (long)j[k]);
+    quad *a = record_at(record, i[k]), *b = record_at(record, j[k]);
     a[0] += lo[k];
     a[1] += hi[k];
     b[0] += sign.lo * lo[k];
@@ -113,7 +122,8 @@ static inline void add_8(double *record, const int *i, const int *j, halves sign
   }
 }
 
-static inline void add_8_two(double *record, const int *i, const int *j, vec v[8], vec w[8]) {
+static inline void add_8_two(double *record, const unsigned *i, const unsigned *j, vec v[8],
+                             vec w[8]) {
   quad own[2][4], other[2][4];
   for (int half = 0; half < 2; half++) {
     to_lanes_4(v + 4 * half, own[half]);
@@ -121,8 +131,8 @@ static inline void add_8_two(double *record, const int *i, const int *j, vec v[8
   }
   for (int k = 0; k < 4; k++)
     for (int half = 0; half < 2; half++) {
-      *(quad *)(record + 8 * (long)i[k] + 4 * half) += own[half][k];
-      *(quad *)(record + 8 * (long)j[k] + 4 * half) += other[half][k];
+      record_at(record, i[k])[half] += own[half][k];
+      record_at(record, j[k])[half] += other[half][k];
     }
 }
 

@@ -61,11 +61,18 @@ static inline void move_wet(const kick_step *step, double *x, double *v, const d
   }
 }
 
-static void kick(dem_t *dem, double t, double h, double drift_h, int fluid) {
+static inline double square_distance(const double *a, const double *b) {
+  const double d[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+  return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+}
+
+/* Returns the longest way of a particle (m). What is not a number is found by check_state. */
+static double kick(dem_t *dem, double t, double h, double drift_h, int fluid) {
   double *xr = dem_xr(dem), *vm = dem_vm(dem), *fl = dem_fluid(dem);
   double *gravity = dem->gravity_now;
   const double *ft = dem_ft(dem);
   const kick_step step = {h, drift_h, gravity};
+  double most = 0.0;
   for (int m = 0; m < dem->materials; m++) {
     const double factor = dem_gravity_factor(dem, m, t, h);
     for (int c = 0; c < 3; c++)
@@ -77,10 +84,13 @@ static void kick(dem_t *dem, double t, double h, double drift_h, int fluid) {
     const double *f = ft + DEM_FT * (size_t)i;
     if (!dem->plan.all_free && dem_kind_of(dem, i) != DEM_FREE)
       continue;
+    const double from[3] = {x[0], x[1], x[2]};
     if (fluid)
       move_wet(&step, x, v, f, fl + DEM_FLUID * (size_t)i);
     else
       move_dry(&step, x, v, f);
+    const double way2 = square_distance(x, from);
+    most = way2 > most ? way2 : most;
     if (dem->plan.tangential) {
       /* for spins see fast.h */
       const double turn = dem->shape.spin * h * v[3] / (dem->fast.spins ? 1.0 : x[3] * x[3]);
@@ -88,12 +98,14 @@ static void kick(dem_t *dem, double t, double h, double drift_h, int fluid) {
         v[c] += turn * f[c];
     }
   }
+  return sqrt(most);
 }
 
-void dem_free_kick_drift(dem_t *dem, double t, double h, int fluid) {
+double dem_free_kick_drift(dem_t *dem, double t, double h, int fluid) {
   part_timers_start(dem->timers, dem->stage[DEM_STAGE_INTEGRATE]);
-  kick(dem, t, 0.5 * h, h, fluid);
+  const double way = kick(dem, t, 0.5 * h, h, fluid);
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_INTEGRATE]);
+  return way;
 }
 
 void dem_free_kick(dem_t *dem, double t, double h, int fluid) {

@@ -300,14 +300,16 @@ void dem_wall_stage(dem_t *dem, double dt);
  */
 /* Gravity on a material over its weight, mean over [t, t+h] (Markauskas et al. 2017 eq. 3-4). */
 double dem_gravity_factor(const dem_t *dem, int material, double t, double h);
-/* Half step from t and the displacement of the whole step h; half step from t to t + h/2. */
-void dem_free_kick_drift(dem_t *dem, double t, double h, int fluid);
+/* Half step from t and the displacement of the whole step h, whose longest is returned (m); half
+ * step from t to t + h/2. */
+double dem_free_kick_drift(dem_t *dem, double t, double h, int fluid);
 void dem_free_kick(dem_t *dem, double t, double h, int fluid);
 
 /* ---- blocks.c ----------------------------------------------------------------------------------
  */
 int dem_blocks_begin(dem_t *dem); /* collective: fluid sums */
-void dem_blocks_kick_drift(dem_t *dem, double t, double h);
+/* The same; returns the longest displacement (m). */
+double dem_blocks_kick_drift(dem_t *dem, double t, double h);
 void dem_blocks_kick(dem_t *dem, double t, double h);
 int dem_blocks_forces(dem_t *dem);         /* collective */
 int dem_blocks_end(dem_t *dem, double dt); /* collective: impulse shares of the members */

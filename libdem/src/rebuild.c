@@ -63,16 +63,20 @@ static int make_lists(dem_t *dem, const int *count, const void *payload) {
 
 /* The skin that costs least, from the way per substep since the lists were built. Per particle and
  * substep, b s/d pairs are listed for a skin s, and 2 way/s lists are built, each as dear as K
- * pairs: s^2 = 2 (K/b) d way. K/b is a round number from measurements of gas and bed; the optimum
- * is flat. All that enters is the same on every rank, and is in restart files. */
+ * pairs: s^2 = 2 (K/b) d way. On the vector path pairs of the skin are looked at once in
+ * inner/(2 way) substeps only (fast_list.c), so that s^2 = (K/b) d inner. Ratios are round numbers
+ * from measurements of gas and bed; the optimum is flat. All that enters is the same on every rank,
+ * and is in restart files. */
 static double best_skin(const dem_t *dem) {
-  const double d = 2.0 * dem->r_mean, cost_ratio = 10.0;
+  const double d = 2.0 * dem->r_mean;
   const long long steps = dem->substeps - dem->substeps_built;
   const double way = fmin(dem->travel, 0.5 * dem->skin) / (double)(steps > 0 ? steps : 1);
+  const double best2 =
+      dem->fast.kernels != NULL ? 8.0 * d * dem_fast_inner(dem, way) : 20.0 * d * way;
   /* Where few pairs are near, lists cost little, and a wide skin lets dem_horizon look farther. */
   if ((double)dem->listed < 0.25 * (double)dem->total)
     return dem->skin_most;
-  return fmin(fmax(sqrt(2.0 * cost_ratio * d * way), 0.01 * d), dem->skin_most);
+  return fmin(fmax(sqrt(best2), 0.01 * d), dem->skin_most);
 }
 
 static void adapt_skin(dem_t *dem) {
@@ -180,7 +184,9 @@ int dem_refresh(dem_t *dem, double way) {
       dem->plan.pairs && dem->params.skip && dem->substeps - dem->substeps_built == skin_trial;
   if (dem->bonds.stale && way >= 0.0)
     way = HUGE_VAL; /* a pair whose bond has gone must be listed */
-  double travel = way >= 0.0 ? dem->travel + max_over_ranks(dem, way) : HUGE_VAL;
+  const double most = way >= 0.0 ? max_over_ranks(dem, way) : HUGE_VAL;
+  double travel = dem->travel + most;
+  dem_fast_moved(dem, most);
   if (!(travel <= limit) || trial) {
     travel = dem->bonds.stale ? HUGE_VAL : moved(dem);
     if (!(travel <= limit))
