@@ -12,8 +12,7 @@ typedef dem_response dem_law_function(const dem_lane_coefs *, const dem_touch *,
 /* Rotate the spring into the contact plane, its length kept, then let it change by way. Where the
  * turn would change the length by less than half a rounding error, the length is left alone: with
  * a = s_n/|s| it is a^2/2. */
-static inline void dem_spring_turn(const dem_touch *touch, vec keep, const vec way[3],
-                                   vec spring[3]) {
+DEM_LANES void dem_spring_turn(const dem_touch *touch, vec keep, const vec way[3], vec spring[3]) {
   const vec *n = touch->n;
   const vec s2 = spring[0] * spring[0] + spring[1] * spring[1] + spring[2] * spring[2];
   const vec s_n = spring[0] * n[0] + spring[1] * n[1] + spring[2] * n[2];
@@ -34,8 +33,8 @@ static inline void dem_spring_turn(const dem_touch *touch, vec keep, const vec w
  * dashpot goes with the mean velocity over the step, v + f dt/(2 m), so that k and c are both
  * divided by 1 + c dt/(2 m). When it slips, the spring is cut back so that this force is the limit.
  */
-static inline void dem_spring_force(const dem_touch *touch, vec stiffness, vec damping, double mass,
-                                    double dt, vec limit, const vec v[3], vec spring[3], vec f[3]) {
+DEM_LANES void dem_spring_force(const dem_touch *touch, vec stiffness, vec damping, double mass,
+                                double dt, vec limit, const vec v[3], vec spring[3], vec f[3]) {
   const vec inverse_mass = vec_all(0.5 * dt / mass) * touch->inverse_root * touch->inverse_root;
   const vec damped = vec_all(1.0) / (vec_all(1.0) + damping * inverse_mass);
   const vec k = stiffness * damped, c = damping * damped;
@@ -54,9 +53,8 @@ static inline void dem_spring_force(const dem_touch *touch, vec stiffness, vec d
 }
 
 /* The tangential spring, k_t and c_t of the law, limit mu times the normal force. */
-static inline void dem_slide(const dem_lane_coefs *coefs, const dem_touch *touch,
-                             const dem_response *r, vec squeeze, vec v_n, double dt, vec spring[3],
-                             vec force[3]) {
+DEM_LANES void dem_slide(const dem_lane_coefs *coefs, const dem_touch *touch, const dem_response *r,
+                         vec squeeze, vec v_n, double dt, vec spring[3], vec force[3]) {
   vec v[3], way[3], f[3];
   for (int c = 0; c < 3; c++) {
     v[c] = touch->v[c] - v_n * touch->n[c];
@@ -73,9 +71,8 @@ static inline void dem_slide(const dem_lane_coefs *coefs, const dem_touch *touch
  * plane in place of the displacement. The stiffness is k_t, the damping the same part of critical
  * for the least mass that rolling moves, 2/5 m_eff of spheres, the limit mu_roll times the normal
  * force. moment: torque on i, N m. */
-static inline void dem_roll(const dem_lane_coefs *coefs, const dem_touch *touch,
-                            const dem_response *r, vec squeeze, double dt, vec spring[3],
-                            vec moment[3]) {
+DEM_LANES void dem_roll(const dem_lane_coefs *coefs, const dem_touch *touch, const dem_response *r,
+                        vec squeeze, double dt, vec spring[3], vec moment[3]) {
   const double rolling_mass = coefs->tangential_mass / (1.0 - coefs->tangential_mass);
   const vec c_r = vec_all(sqrt(rolling_mass / coefs->tangential_mass)) * r->c_t;
   const vec *n = touch->n, *spin = touch->spin;
@@ -94,9 +91,9 @@ static inline void dem_roll(const dem_lane_coefs *coefs, const dem_touch *touch,
 
 /* Force (N) and, with rolling, torque (N m) on i; the partner gets their negatives (and both the
  * torque of the force). history: 3 or 6 values, DEM_HISTORY_WIDTH(parts). */
-static inline void dem_contact_force(dem_law_function *law, const dem_lane_coefs *coefs,
-                                     const dem_touch *touch, int parts, double dt, vec *history,
-                                     vec force[3], vec moment[3]) {
+DEM_LANES void dem_contact_force(dem_law_function *law, const dem_lane_coefs *coefs,
+                                 const dem_touch *touch, int parts, double dt, vec *history,
+                                 vec force[3], vec moment[3]) {
   const vec *n = touch->n, *v = touch->v;
   const vec v_n = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
   vec push = vec_all(-0.0);

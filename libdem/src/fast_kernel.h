@@ -7,9 +7,6 @@
 #include "laws.h"
 
 #define INLINE static inline __attribute__((always_inline))
-/* Everything called is copied in, laws too: a call would pass some 30 vectors through memory (bed:
- * 25 to 31 million particle-steps a second). */
-#define FLATTEN __attribute__((flatten))
 
 /* What is the same for all blocks of a call, out of memory that a store could change. */
 typedef struct constants {
@@ -55,20 +52,20 @@ INLINE vec_mask touching(vec d2, vec reach) {
 INLINE dem_lane_coefs coefs_of(const constants *in, vec pair, vec_mask touches) {
   if (in->materials == 1.0)
     return in->coefs;
-  const vec zero = vec_all(0.0);
-  dem_lane_coefs lane = {zero, zero, zero, zero, zero, zero, zero, in->table->tangential_mass};
   const vec number = vec_keep(touches, pair);
+  _Alignas(64) double part[7][DEM_WIDTH];
   for (int k = 0; k < DEM_WIDTH; k++) {
     const dem_coefs *one = &in->table[(int)number[k]];
-    lane.k_n[k] = one->k_n;
-    lane.k_t[k] = one->k_t;
-    lane.c_n[k] = one->c_n;
-    lane.c_t[k] = one->c_t;
-    lane.mu[k] = one->mu;
-    lane.mu_roll[k] = one->mu_roll;
-    lane.pull[k] = one->pull;
+    part[0][k] = one->k_n;
+    part[1][k] = one->k_t;
+    part[2][k] = one->c_n;
+    part[3][k] = one->c_t;
+    part[4][k] = one->mu;
+    part[5][k] = one->mu_roll;
+    part[6][k] = one->pull;
   }
-  return lane;
+  const vec *v = (const vec *)part;
+  return (dem_lane_coefs){v[0], v[1], v[2], v[3], v[4], v[5], v[6], in->table->tangential_mass};
 }
 
 /* omega_i - omega_j from u_i + u_j, and the two radii. */
@@ -330,7 +327,7 @@ static void move(dem_motion *m, int from, int to) {
 }
 
 #define DEM_VARIANT(name, parts)                                                                   \
-  static FLATTEN void dense_##name##_##parts(const dem_lanes *in, int from, int to) {              \
+  static void dense_##name##_##parts(const dem_lanes *in, int from, int to) {                      \
     run_dense(in, from, to, dem_law_##name, parts);                                                \
   }                                                                                                \
   static void sparse_##name##_##parts(const dem_lanes *in, int from, int to) {                     \

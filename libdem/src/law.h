@@ -113,7 +113,7 @@ typedef struct dem_edge {
 } dem_edge;
 
 /* way (m): of one step, with the velocity of the end that is near. */
-static inline dem_edge dem_edge_of(const dem_touch *touch, vec way) {
+DEM_LANES dem_edge dem_edge_of(const dem_touch *touch, vec way) {
   dem_edge edge;
   edge.at = vec_both(touch->touches, vec_less(touch->overlap, way + way));
   edge.s = touch->overlap / way;
@@ -123,7 +123,7 @@ static inline dem_edge dem_edge_of(const dem_touch *touch, vec way) {
 
 /* Weights with which the two steps at s and s + 1 give together the integral of a constant over
  * s + 3/2 steps: 3/2 s and 2 - s/2 (for their s). */
-static inline vec dem_edge_weight(const dem_edge *edge) {
+DEM_LANES vec dem_edge_weight(const dem_edge *edge) {
   return vec_choose(edge->first, vec_all(1.5) * edge->s, vec_all(2.0) - vec_all(0.5) * edge->s);
 }
 

@@ -15,6 +15,14 @@
 #define DEM_WIDTH 1
 #endif
 
+/* A function of lanes is copied into its caller: a call would pass dozens of vectors through memory
+ * (bed: 25 instead of 31 million particle-steps a second). */
+#if defined(__GNUC__)
+#define DEM_LANES static inline __attribute__((always_inline))
+#else
+#define DEM_LANES static inline
+#endif
+
 #if DEM_WIDTH > 1
 #include <immintrin.h>
 /* A record or half a record as it lies in memory. */

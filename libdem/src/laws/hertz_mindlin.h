@@ -61,7 +61,7 @@ static inline double dem_law_hertz_mindlin_time(const dem_coefs *coefs, double i
 
 /* T(s) = -zeta(-1/4, s + 2) with x = s + 3/2, by Euler and Maclaurin: 4/5 x^(5/4) is the integral
  * of x^(1/4) up to x, the rest what the sum over the steps after it lacks. To 1e-5 for x >= 3/2. */
-static inline vec dem_law_hertz_total(vec x) {
+DEM_LANES vec dem_law_hertz_total(vec x) {
   const vec inverse = vec_all(1.0) / x;
   return vec_sqrt(vec_sqrt(x)) *
          (vec_all(0.8) * x + inverse * (vec_all(0.00039876 /* 7/5760 21/64 */) * inverse * inverse -
@@ -72,9 +72,8 @@ static inline vec dem_law_hertz_total(vec x) {
  * s + 2 on, which count in full, those at s and s + 1 have to give the damping of the whole way.
  * This is T(s) for the two, with weights s T(0) and T(s - 1) - (s - 1) T(0), which is s^(1/4) again
  * at s = 2. The spring vanishes with delta^(3/2) and needs nothing. */
-static inline dem_response dem_law_hertz_mindlin(const dem_lane_coefs *coefs,
-                                                 const dem_touch *touch, vec v_n, vec push,
-                                                 double dt) {
+DEM_LANES dem_response dem_law_hertz_mindlin(const dem_lane_coefs *coefs, const dem_touch *touch,
+                                             vec v_n, vec push, double dt) {
   const vec h = vec_all(dt), one = vec_all(1.0), half = vec_all(0.5), zero = vec_all(0.0);
   const vec contact = vec_sqrt(touch->radius * touch->overlap), root = vec_sqrt(contact);
   const vec c_n = coefs->c_n * touch->root_mass * root, speed_up = h * touch->inverse_root;

@@ -79,9 +79,9 @@ static inline double dem_law_linear_spring_dashpot_time(const dem_coefs *coefs, 
  *   overlap              s + s^2/4 - s/8,  s + (2 - s)(3/8 - s/4)
  * which are continuous and vanish at s = 0, so that nothing depends on which side of an event a
  * step falls. Restitution then does not depend on where in a step two bodies meet, but for dt^2. */
-static inline dem_response dem_law_linear_spring_dashpot(const dem_lane_coefs *coefs,
-                                                         const dem_touch *touch, vec v_n, vec push,
-                                                         double dt) {
+DEM_LANES dem_response dem_law_linear_spring_dashpot(const dem_lane_coefs *coefs,
+                                                     const dem_touch *touch, vec v_n, vec push,
+                                                     double dt) {
   const vec h = vec_all(dt), one = vec_all(1.0), c_n = coefs->c_n * touch->root_mass;
   const vec speed_up = h * touch->inverse_root;
   const vec lag = vec_all(0.5) * coefs->c_n * speed_up; /* c_n dt/(2 m_eff) */
