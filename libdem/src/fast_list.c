@@ -145,10 +145,27 @@ static void make_inner(dem_t *dem) {
   memset(fast->was, 255, (size_t)fast->pairs / DEM_BLOCK_PAIRS);
 }
 
+/* History of pairs that do not touch is nothing: what comes with the payload may be of before the
+ * last step, and only pairs of the inner list are looked at before the next one. */
+static void clear_history(dem_t *dem) {
+  part_pairs *pairs = dem->pairs;
+  const double *xr = dem_xr(dem);
+  const size_t width = (size_t)pairs->data_width;
+  for (int i = 0; i < pairs->rows && width > 0; i++)
+    for (int k = pairs->start[i]; k < pairs->start[i + 1]; k++) {
+      const double *x = xr + DEM_XR * (size_t)i, *y = xr + DEM_XR * (size_t)pairs->partner[k];
+      const double d[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]}, reach = x[3] + y[3];
+      if (d[0] * d[0] + d[1] * d[1] + d[2] * d[2] >= reach * reach)
+        memset(pairs->data + width * (size_t)k, 0, width * sizeof *pairs->data);
+    }
+}
+
 int dem_fast_list(dem_t *dem) {
   if (dem->fast.kernels == NULL)
     return PART_OK;
   PART_TRY(make_room(dem, (size_t)dem->pairs->start[dem->pairs->rows] + 1));
+  clear_history(dem);
+  dem->fast.last_way = 0.0; /* not known after a restart */
   make_inner(dem);
   return PART_OK;
 }
