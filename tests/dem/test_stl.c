@@ -87,6 +87,7 @@ static body rolls_off(const dem_wall_params *wall, int count, const double *vert
   scene s = scene_default();
   const double x[3] = {0.05, 0.03, 0.0099}, v[3] = {1.0, 0.2, 0.0};
   s.params.gravity[2] = -9.81;
+  s.contact.normal_stiffness = 1e3;
   s.contact.friction = 0.5;
   s.contact.restitution = 0.5;
   s.params.max_overlap = 0.1;

@@ -1,4 +1,3 @@
-/* ranks: 1 2 */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Walls that move, against closed forms and against the same scene seen from the wall. */
 #include "common.h"
