@@ -125,8 +125,9 @@ static void many_steps(void **state) {
   compare(20, 50.0, 1e6);
 }
 
-/* Whoever traps floating point exceptions, as OpenFOAM does, sees none of the lanes without contact:
- * a lattice of spheres that just touch, where many distances are the sum of radii to the bit. */
+/* Whoever traps floating point exceptions, as OpenFOAM does, sees none of the lanes without
+ * contact: a lattice of spheres that just touch, where many distances are the sum of radii to the
+ * bit. */
 static void exceptions_are_held(void **state) {
   (void)state;
   const double origin[3] = {0.002, 0.002, 0.002};

@@ -44,6 +44,7 @@ typedef struct cpl_mesh {
 
 /* Own particles of this rank, which need not be where the cells of this rank are. Strides in
  * doubles (int64 for id, kind). fluid_* are written by cpl_fluid_force. */
+/* clang-format off */
 typedef struct cpl_particles {
   int count;
   const double *position;     int position_stride;
@@ -56,17 +57,18 @@ typedef struct cpl_particles {
   double *fluid_sp;           int fluid_sp_stride; /* kg/s */
   const double *fluid_impulse; int fluid_impulse_stride; /* N s received over the last advance */
 } cpl_particles;
+/* clang-format on */
 
 /* Fluid quantities of this rank's cells, in and out. NULL where a scene does not need one. */
 typedef struct cpl_cells {
-  double *eps;                  /* [cells] void fraction: out of cpl_void_fraction, in elsewhere */
-  double *solid_velocity;       /* [cells][3] out: volume-weighted mean particle velocity, m/s */
-  const double *superficial;    /* [cells][3] in: U = eps u, m/s */
+  double *eps;               /* [cells] void fraction: out of cpl_void_fraction, in elsewhere */
+  double *solid_velocity;    /* [cells][3] out: volume-weighted mean particle velocity, m/s */
+  const double *superficial; /* [cells][3] in: U = eps u, m/s */
   const double *pressure_gradient; /* [cells][3] in: grad p without the hydrostatic part, Pa/m */
   const double *stress_divergence; /* [cells][3] in: div tau, Pa/m */
-  double *drag_coefficient;     /* [cells] out: D, kg/(m3 s): drag on the fluid per mixture volume
-                                   is -(D U - G) with U superficial */
-  double *drag_explicit;        /* [cells][3] out: G, N/m3 */
+  double *drag_coefficient; /* [cells] out: D, kg/(m3 s): drag on the fluid per mixture volume
+                               is -(D U - G) with U superficial */
+  double *drag_explicit;    /* [cells][3] out: G, N/m3 */
 } cpl_cells;
 
 typedef struct cpl_fluid {
@@ -76,7 +78,10 @@ typedef struct cpl_fluid {
 } cpl_fluid;
 
 /* ---- parameters ----------------------------------------------------------------------------- */
-typedef enum { CPL_MODEL_A, CPL_MODEL_B } cpl_model; /* Feng and Yu 2004; momentum scheme (2), (9) */
+typedef enum {
+  CPL_MODEL_A,
+  CPL_MODEL_B
+} cpl_model; /* Feng and Yu 2004; momentum scheme (2), (9) */
 
 typedef struct cpl_params {
   int model;             /* A | B */
@@ -91,8 +96,8 @@ typedef struct cpl_params {
 extern const part_param_table cpl_params_table;
 
 /* Drag law by row: force on one sphere F = beta u_rel (N), u_rel = u - v interstitial (m/s).
- * beta (kg/s) from |u_rel|, diameter d, eps, rho_f, mu_f, and the Sauter mean diameter of the spheres
- * around (m; d where all have one size). */
+ * beta (kg/s) from |u_rel|, diameter d, eps, rho_f, mu_f, and the Sauter mean diameter of the
+ * spheres around (m; d where all have one size). */
 typedef double (*cpl_drag_law)(double slip, double d, double eps, double rho, double mu,
                                double mean_d);
 /* Where its source says that a law holds; Re = eps |u - v| d rho/mu. */

@@ -6,7 +6,8 @@
 
 /* Beetstra, van der Hoef and Kuipers, AIChE J. 53 (2007) 489-501; phi = 1 - eps:
  *   F = 10 phi/eps^2 + eps^2 (1 + 1.5 sqrt(phi))
- *     + 0.413 Re/(24 eps^2) (1/eps + 3 phi eps + 8.4 Re^-0.343)/(1 + 10^(3 phi) Re^(-(1 + 4 phi)/2)) */
+ *     + 0.413 Re/(24 eps^2) (1/eps + 3 phi eps + 8.4 Re^-0.343)/(1 + 10^(3 phi) Re^(-(1 + 4
+ * phi)/2)) */
 static inline double cpl_drag_beetstra_f(double re, double eps) {
   const double phi = fmax(1.0 - eps, 0.0), eps2 = eps * eps;
   double f = 10.0 * phi / eps2 + eps2 * (1.0 + 1.5 * sqrt(phi));

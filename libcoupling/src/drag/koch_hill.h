@@ -7,10 +7,9 @@
 /* Hill, Koch and Ladd, J. Fluid Mech. 448 (2001) 213-278, joined for all Re as is usual (Koch and
  * Hill, Annu. Rev. Fluid Mech. 33 (2001) 619-647); phi = 1 - eps:
  *   F  = eps (F0 + F3 Re/2)
- *   F0 = (1 + 3 sqrt(phi/2) + 135/64 phi ln phi + 16.14 phi)/(1 + 0.681 phi - 8.48 phi^2 + 8.16 phi^3)
- *        for phi < 0.4, 10 phi/(1 - phi)^3 above
- *   F3 = 0.0673 + 0.212 phi + 0.0232/(1 - phi)^5
- * Their force is the whole one, hence the eps (normalised.h); their Re has the radius, hence the 2. */
+ *   F0 = (1 + 3 sqrt(phi/2) + 135/64 phi ln phi + 16.14 phi)/(1 + 0.681 phi - 8.48 phi^2 + 8.16
+ * phi^3) for phi < 0.4, 10 phi/(1 - phi)^3 above F3 = 0.0673 + 0.212 phi + 0.0232/(1 - phi)^5 Their
+ * force is the whole one, hence the eps (normalised.h); their Re has the radius, hence the 2. */
 static inline double cpl_drag_koch_hill(double slip, double d, double eps, double rho, double mu,
                                         double mean_d) {
   const double phi = 1.0 - eps;

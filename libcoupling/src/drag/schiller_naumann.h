@@ -4,9 +4,8 @@
 
 #include "normalised.h"
 
-/* Schiller and Naumann, Z. Ver. Deutsch. Ing. 77 (1933) 318-320, one sphere, on the superficial slip
- * as the row stokes:
- *   F = 1 + 0.15 Re^0.687, and C_d = 0.44 for Re > 1000 */
+/* Schiller and Naumann, Z. Ver. Deutsch. Ing. 77 (1933) 318-320, one sphere, on the superficial
+ * slip as the row stokes: F = 1 + 0.15 Re^0.687, and C_d = 0.44 for Re > 1000 */
 static inline double cpl_drag_schiller_naumann(double slip, double d, double eps, double rho,
                                                double mu, double mean_d) {
   (void)mean_d;

@@ -6,10 +6,10 @@
 
 /* Syamlal, Rogers and O'Brien, MFIX documentation: theory guide (1993), as in Gao and Sun 2011,
  * eq. 17-22; Re_i = |u - v| d rho/mu with the interstitial slip:
- *   beta per volume = 3/4 C_d/V_r^2 rho |u - v|/d eps (1 - eps),   C_d = (0.63 + 4.8 sqrt(V_r/Re_i))^2
- *   F   = (0.63 sqrt(Re_i) + 4.8 sqrt(V_r))^2/(24 V_r^2)
- *   V_r = 1/2 (A - 0.06 Re_i + sqrt((0.06 Re_i)^2 + 0.12 Re_i (2 B - A) + A^2))
- *   A   = eps^4.14,   B = 0.8 eps^1.28 up to eps = 0.85, eps^2.65 above */
+ *   beta per volume = 3/4 C_d/V_r^2 rho |u - v|/d eps (1 - eps),   C_d = (0.63 + 4.8
+ * sqrt(V_r/Re_i))^2 F   = (0.63 sqrt(Re_i) + 4.8 sqrt(V_r))^2/(24 V_r^2) V_r = 1/2 (A - 0.06 Re_i +
+ * sqrt((0.06 Re_i)^2 + 0.12 Re_i (2 B - A) + A^2)) A   = eps^4.14,   B = 0.8 eps^1.28 up to eps =
+ * 0.85, eps^2.65 above */
 static inline double cpl_drag_syamlal_o_brien(double slip, double d, double eps, double rho,
                                               double mu, double mean_d) {
   const double re = slip * d * rho / mu, log_eps = log(eps), s = 0.06 * re;
