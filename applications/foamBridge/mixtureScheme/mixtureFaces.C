@@ -100,6 +100,18 @@ tmp<surfaceScalarField> mixtureScheme::pressureForce(const volScalarField& p) co
   return -difference(p)*mesh_.magSf();
 }
 
+tmp<surfaceScalarField> mixtureScheme::ownForce(const volVectorField& j) const
+{
+  const surfaceVectorField W(fvc::interpolate(j) - vpf_);
+  return (inertia_ & along_) + pressureFactor_*(body_ & along_) - sqr(W & m_)*jump_;
+}
+
+// With -Kf phi this is drag along the line of cell centres only.
+tmp<surfaceScalarField> mixtureScheme::dragForce(const volVectorField& j) const
+{
+  return (dragExplicit_ & along_) + Kf_*(skew_ & fvc::interpolate(j));
+}
+
 tmp<surfaceScalarField> mixtureScheme::fullPressureForce
 (
   const surfaceScalarField& along,
