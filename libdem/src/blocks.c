@@ -10,6 +10,9 @@
  * on n of N has the damping ratio sqrt(n/N) of it. */
 #include "flow.h"
 #include "internal.h"
+#include "particle/vtkhdf.h"
+
+enum { BLOCK_VALUES = 11 };
 
 int dem_rank_sum(const dem_t *dem, int n, double *values) {
   double *all;
@@ -161,4 +164,65 @@ void dem_blocks_add(dem_t *dem, const double *impulse) {
     }
   }
   move_members(dem);
+}
+
+/* ---- files ----------------------------------------------------------------------------------- */
+/* [blocks][BLOCK_VALUES], then [blocks][materials] masses. */
+static int pack_blocks(const dem_t *dem, double **values, int *n) {
+  *n = dem->blocks * (BLOCK_VALUES + dem->materials);
+  PART_TRY(dem_allocate((size_t)*n, sizeof **values, values));
+  for (int b = 0; b < dem->blocks; b++) {
+    const dem_block *block = &dem->block[b];
+    double *to = *values + BLOCK_VALUES * b;
+    to[0] = (double)block->members;
+    to[1] = block->mass;
+    memcpy(to + 2, block->x, 3 * sizeof(double));
+    memcpy(to + 5, block->v, 3 * sizeof(double));
+    memcpy(to + 8, block->force, 3 * sizeof(double));
+  }
+  if (dem->blocks > 0)
+    memcpy(*values + BLOCK_VALUES * dem->blocks, dem->block_gravity,
+           (size_t)(dem->blocks * dem->materials) * sizeof(double));
+  return PART_OK;
+}
+
+static int unpack_blocks(dem_t *dem, const double *from) {
+  PART_TRY(dem_allocate((size_t)dem->blocks, sizeof *dem->block, &dem->block));
+  PART_TRY(dem_allocate((size_t)(dem->blocks * dem->materials), sizeof *dem->block_gravity,
+                        &dem->block_gravity));
+  for (int b = 0; b < dem->blocks; b++, from += BLOCK_VALUES) {
+    dem_block *block = &dem->block[b];
+    block->members = (int64_t)from[0];
+    block->mass = from[1];
+    memcpy(block->x, from + 2, 3 * sizeof(double));
+    memcpy(block->v, from + 5, 3 * sizeof(double));
+    memcpy(block->force, from + 8, 3 * sizeof(double));
+  }
+  if (dem->blocks > 0)
+    memcpy(dem->block_gravity, from, (size_t)(dem->blocks * dem->materials) * sizeof(double));
+  return PART_OK;
+}
+
+int dem_blocks_write(const dem_t *dem, part_file *file) {
+  double *values = NULL;
+  int n = 0;
+  int status = part_agree(dem->comm, pack_blocks(dem, &values, &n));
+  if (status == PART_OK && n > 0)
+    status = part_file_write_values(file, "demBlocks", n, values);
+  free(values);
+  return status;
+}
+
+int dem_blocks_read(dem_t *dem, part_file *file) {
+  int n = dem->blocks * (BLOCK_VALUES + dem->materials);
+  double *values = NULL;
+  if (n == 0)
+    return PART_OK;
+  int status = part_agree(dem->comm, dem_allocate((size_t)n, sizeof *values, &values));
+  if (status == PART_OK)
+    status = part_file_read_values(file, "demBlocks", &n, values);
+  if (status == PART_OK)
+    status = part_agree(dem->comm, unpack_blocks(dem, values));
+  free(values);
+  return status;
 }

@@ -80,6 +80,17 @@ int dem_bonds_list(struct dem_t *dem, const int *count, const void *payload);
 /* Is there a link between own particle i and particle j? */
 int dem_bonds_join(const struct dem_t *dem, int i, int j);
 
+/* ---- bonds_file.c ---------------------------------------------------------------------------- */
+struct part_file;
+/* Doubles that dem_bonds_write keeps: two and five for each broken bond; 0 without bonds. */
+int dem_bonds_values(const struct dem_t *dem);
+/* Collective. Widest bond, bound of the frequencies and the list of broken bonds, which are the
+ * same on every rank; the bonds themselves are in the payload. */
+int dem_bonds_write(const struct dem_t *dem, struct part_file *file);
+/* Collective. ERR_FORMAT: the file does not hold `wanted` values, the number that the state names.
+ */
+int dem_bonds_read(struct dem_t *dem, struct part_file *file, int wanted);
+
 /* ---- bonds.c --------------------------------------------------------------------------------- */
 /* Forces and torques of all links, added; orientations go on by dt. */
 void dem_bond_forces(struct dem_t *dem, double dt);

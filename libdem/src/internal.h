@@ -315,6 +315,10 @@ int dem_blocks_forces(dem_t *dem);         /* collective */
 int dem_blocks_end(dem_t *dem, double dt); /* collective: impulse shares of the members */
 /* Impulses (N s) [blocks][3], the same on every rank, on the blocks. */
 void dem_blocks_add(dem_t *dem, const double *impulse);
+/* Collective. The state of all blocks in a file; nothing is written or read when there are none. */
+struct part_file;
+int dem_blocks_write(const dem_t *dem, struct part_file *file);
+int dem_blocks_read(dem_t *dem, struct part_file *file); /* dem->blocks is known */
 /* Collective. Sum of n doubles over ranks in rank order: the same bits on every rank. */
 int dem_rank_sum(const dem_t *dem, int n, double *values);
 

@@ -5,12 +5,7 @@
 #include "internal.h"
 #include "particle/vtkhdf.h"
 
-enum { STATE_VALUES = 15, BLOCK_VALUES = 11, BUDGET_VALUES = 33, BROKEN_VALUES = 5 };
-
-/* Values about bonds, 0 without them. */
-static int bond_values(const dem_t *dem) {
-  return dem->plan.bonds ? 2 + BROKEN_VALUES * (int)dem->bonds.broken : 0;
-}
+enum { STATE_VALUES = 15, BUDGET_VALUES = 33 };
 
 static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
   const double packed[STATE_VALUES] = {dem->time,
@@ -25,7 +20,7 @@ static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
                                        (double)dem->ranks,
                                        dem->skin,
                                        dem->shape.depth,
-                                       bond_values(dem),
+                                       dem_bonds_values(dem),
                                        dem->impact_speed,
                                        dem->load.reached};
   memcpy(value, packed, sizeof packed);
@@ -67,94 +62,6 @@ static void unpack_budget(dem_t *dem, const double *from) {
     dem->wall_force[c] += from[3 + c];
     dem->support_force[c] += from[6 + c];
   }
-}
-
-/* [blocks][BLOCK_VALUES], then [blocks][materials] masses. */
-static int pack_blocks(const dem_t *dem, double **values, int *n) {
-  *n = dem->blocks * (BLOCK_VALUES + dem->materials);
-  PART_TRY(dem_allocate((size_t)*n, sizeof **values, values));
-  for (int b = 0; b < dem->blocks; b++) {
-    const dem_block *block = &dem->block[b];
-    double *to = *values + BLOCK_VALUES * b;
-    to[0] = (double)block->members;
-    to[1] = block->mass;
-    memcpy(to + 2, block->x, 3 * sizeof(double));
-    memcpy(to + 5, block->v, 3 * sizeof(double));
-    memcpy(to + 8, block->force, 3 * sizeof(double));
-  }
-  if (dem->blocks > 0)
-    memcpy(*values + BLOCK_VALUES * dem->blocks, dem->block_gravity,
-           (size_t)(dem->blocks * dem->materials) * sizeof(double));
-  return PART_OK;
-}
-
-static int unpack_blocks(dem_t *dem, const double *from) {
-  PART_TRY(dem_allocate((size_t)dem->blocks, sizeof *dem->block, &dem->block));
-  PART_TRY(dem_allocate((size_t)(dem->blocks * dem->materials), sizeof *dem->block_gravity,
-                        &dem->block_gravity));
-  for (int b = 0; b < dem->blocks; b++, from += BLOCK_VALUES) {
-    dem_block *block = &dem->block[b];
-    block->members = (int64_t)from[0];
-    block->mass = from[1];
-    memcpy(block->x, from + 2, 3 * sizeof(double));
-    memcpy(block->v, from + 5, 3 * sizeof(double));
-    memcpy(block->force, from + 8, 3 * sizeof(double));
-  }
-  if (dem->blocks > 0)
-    memcpy(dem->block_gravity, from, (size_t)(dem->blocks * dem->materials) * sizeof(double));
-  return PART_OK;
-}
-
-/* Widest bond, bound of the frequencies, [broken][BROKEN_VALUES]; the same on every rank. */
-static int pack_bonds(const dem_t *dem, double **values) {
-  const dem_bonds *bonds = &dem->bonds;
-  PART_TRY(dem_allocate((size_t)bond_values(dem), sizeof **values, values));
-  double *to = *values;
-  *to++ = bonds->widest;
-  *to++ = bonds->rate;
-  for (int64_t k = 0; k < bonds->broken; k++, to += BROKEN_VALUES) {
-    const dem_broken_bond *b = &bonds->list[k];
-    const double packed[BROKEN_VALUES] = {(double)b->a, (double)b->b, (double)b->mode, b->time,
-                                          b->stress};
-    memcpy(to, packed, sizeof packed);
-  }
-  return PART_OK;
-}
-
-static int unpack_bonds(dem_t *dem, const double *from, int n) {
-  dem_bonds *bonds = &dem->bonds;
-  bonds->widest = from[0];
-  bonds->rate = from[1];
-  bonds->broken = (n - 2) / BROKEN_VALUES;
-  PART_TRY(dem_grow((size_t)bonds->broken, sizeof *bonds->list, &bonds->list_room, &bonds->list));
-  from += 2;
-  for (int64_t k = 0; k < bonds->broken; k++, from += BROKEN_VALUES)
-    bonds->list[k] =
-        (dem_broken_bond){(int64_t)from[0], (int64_t)from[1], (int64_t)from[2], from[3], from[4]};
-  return PART_OK;
-}
-
-static int write_bonds(const dem_t *dem, part_file *file) {
-  double *values = NULL;
-  int status = part_agree(dem->comm, pack_bonds(dem, &values));
-  if (status == PART_OK)
-    status = part_file_write_values(file, "demBonds", bond_values(dem), values);
-  free(values);
-  return status;
-}
-
-static int read_bonds(dem_t *dem, part_file *file, int wanted) {
-  double *values = NULL;
-  int n = wanted;
-  int status = part_agree(dem->comm, dem_allocate((size_t)wanted, sizeof *values, &values));
-  if (status == PART_OK)
-    status = part_file_read_values(file, "demBonds", &n, values);
-  if (status == PART_OK && (n != wanted || n < 2 || (n - 2) % BROKEN_VALUES != 0))
-    status = part_fail(PART_ERR_FORMAT, "demBonds has %d values, not %d", n, wanted);
-  if (status == PART_OK)
-    status = unpack_bonds(dem, values, n);
-  free(values);
-  return part_agree(dem->comm, status);
 }
 
 /* History as records {id, number of entries} followed by the entries. */
@@ -324,18 +231,13 @@ static int write_blobs(dem_t *dem, part_file *file) {
 }
 
 static int write_file(dem_t *dem, part_file *file) {
-  double state[STATE_VALUES], *blocks = NULL;
-  int n = 0;
+  double state[STATE_VALUES];
   PART_TRY(part_file_write_store(file, dem->store));
   pack_state(dem, state);
   PART_TRY(part_file_write_values(file, "demState", STATE_VALUES, state));
-  int status = part_agree(dem->comm, pack_blocks(dem, &blocks, &n));
-  if (status == PART_OK && n > 0)
-    status = part_file_write_values(file, "demBlocks", n, blocks);
-  free(blocks);
-  PART_TRY(status);
+  PART_TRY(dem_blocks_write(dem, file));
   if (dem->plan.bonds)
-    PART_TRY(write_bonds(dem, file));
+    PART_TRY(dem_bonds_write(dem, file));
   return write_blobs(dem, file);
 }
 
@@ -376,20 +278,6 @@ static int unpack_state(dem_t *dem, const char *path, const double *value) {
   dem->impact_speed = value[13];
   dem->load.reached = value[14];
   return PART_OK;
-}
-
-static int read_blocks(dem_t *dem, part_file *file) {
-  int n = dem->blocks * (BLOCK_VALUES + dem->materials);
-  double *values = NULL;
-  if (n == 0)
-    return PART_OK;
-  int status = part_agree(dem->comm, dem_allocate((size_t)n, sizeof *values, &values));
-  if (status == PART_OK)
-    status = part_file_read_values(file, "demBlocks", &n, values);
-  if (status == PART_OK)
-    status = part_agree(dem->comm, unpack_blocks(dem, values));
-  free(values);
-  return status;
 }
 
 static int read_blob(dem_t *dem, part_file *file, const char *name, size_t *size, void **bytes) {
@@ -450,9 +338,9 @@ static int read_file(dem_t *dem, const char *path, part_file *file) {
                                                                path, n, STATE_VALUES)));
   PART_TRY(part_file_read_store(file, dem->store));
   PART_TRY(part_agree(dem->comm, check_materials(dem, path)));
-  PART_TRY(read_blocks(dem, file));
+  PART_TRY(dem_blocks_read(dem, file));
   if (state[12] > 0.0)
-    PART_TRY(read_bonds(dem, file, (int)state[12]));
+    PART_TRY(dem_bonds_read(dem, file, (int)state[12]));
   return read_blobs(dem, file);
 }
 
