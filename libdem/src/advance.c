@@ -112,24 +112,59 @@ static int plain_substeps(dem_t *dem, double t0, double h, int n, int fluid) {
   return PART_OK;
 }
 
-static int count_substeps(dem_t *dem, double dt, int *n) {
-  int free_flight = 0;
+/* The grid of substeps: dt in *n equal ones. */
+static int count_substeps(const dem_t *dem, double dt, int *n) {
   *n = 1;
-  dem->clumps.parts = 1;
   if (dt <= dem->stable_step)
-    return PART_OK;
-  PART_TRY(dem_horizon(dem, dt, &free_flight));
-  if (free_flight && !dem->plan.clumps)
     return PART_OK;
   /* A ratio that is whole but for rounding is meant to be whole. */
   const double ratio = ceil(dt / dem->stable_step * (1.0 - 1e-12));
   if (ratio > 1e9)
     return part_fail(PART_ERR_RANGE, "advance by %g s: more than 1e9 substeps of %g s", dt,
                      dem->stable_step);
-  if (free_flight) /* the turn of a clump is not exact: it takes its steps alone */
-    dem->clumps.parts = (int)ratio;
-  else
-    *n = (int)ratio;
+  *n = (int)ratio;
+  return PART_OK;
+}
+
+static int contact_substeps(dem_t *dem, double t0, double h, int n, int fluid) {
+  if (dem->fast.kernels != NULL && !fluid)
+    return fused_substeps(dem, t0, h, n);
+  return plain_substeps(dem, t0, h, n, fluid);
+}
+
+/* As many substeps of the grid in one as no contact can begin in. The turn of a clump is not exact:
+ * it takes its steps alone. */
+static int free_substeps(dem_t *dem, double t0, double h, int n, int fluid, int *taken) {
+  double time = 0.0;
+  *taken = 0;
+  PART_TRY(dem_horizon(dem, n * h, &time));
+  const int steps = time >= n * h ? n : (int)(time / h);
+  if (steps < 2)
+    return PART_OK;
+  dem->clumps.parts = steps;
+  PART_TRY(plain_substeps(dem, t0, steps * h, 1, fluid));
+  dem->clumps.parts = 1;
+  *taken = steps;
+  return PART_OK;
+}
+
+/* Whether contact is near is asked again after more and more substeps with contact, so that dense
+ * scenes do not pay for it. */
+static int substeps(dem_t *dem, double dt, int n, int fluid) {
+  const double t0 = dem->time, h = dt / (n > 0 ? n : 1);
+  dem->clumps.parts = 1;
+  for (int done = 0, patience = 16, taken = 0; done < n; done += taken) {
+    if (n > 1)
+      PART_TRY(free_substeps(dem, t0 + done * h, h, n - done, fluid, &taken));
+    if (taken > 0) {
+      patience = 16;
+      continue;
+    }
+    taken = dem->plan.horizon && patience < n - done ? patience : n - done;
+    patience *= patience < n ? 2 : 1;
+    PART_TRY(contact_substeps(dem, t0 + done * h, h, taken, fluid));
+    dem->time = t0 + (done + taken) * h;
+  }
   return PART_OK;
 }
 
@@ -148,12 +183,11 @@ static void end_fluid(dem_t *dem, double dt) {
 }
 
 static int run(dem_t *dem, double dt, int n, int fluid) {
-  const double t0 = dem->time, h = dt / n;
+  const double t0 = dem->time;
   if (!dem->plan.movable && dem->params.skip)
     n = 0;
-  const int fused = dem->fast.kernels != NULL && !fluid && n > 0;
   dem_fast_enter(dem);
-  const int status = fused ? fused_substeps(dem, t0, h, n) : plain_substeps(dem, t0, h, n, fluid);
+  const int status = substeps(dem, dt, n, fluid);
   dem_fast_leave(dem);
   PART_TRY(status);
   dem->time = t0 + dt;
@@ -165,10 +199,10 @@ static int run(dem_t *dem, double dt, int n, int fluid) {
   return dem->plan.bonds ? dem_bonds_settle(dem) : PART_OK;
 }
 
-int dem_advance(dem_t *dem, double dt, int *substeps) {
+int dem_advance(dem_t *dem, double dt, int *taken) {
   int n;
-  if (substeps != NULL)
-    *substeps = 0;
+  if (taken != NULL)
+    *taken = 0;
   if (!dem->started)
     return part_fail(PART_ERR_STATE, "dem_advance comes after dem_start");
   if (!(dt > 0.0) || !isfinite(dt))
@@ -178,14 +212,15 @@ int dem_advance(dem_t *dem, double dt, int *substeps) {
   if (dem->plan.blocks)
     PART_TRY(dem_blocks_begin(dem));
   PART_TRY(count_substeps(dem, dt, &n));
-  if (substeps != NULL)
-    *substeps = n;
+  const long long before = dem->substeps;
   /* Lanes without a contact compute too, and may divide by zero before they are masked: whoever
    * traps floating point exceptions (OpenFOAM does) must not see that. */
   fenv_t environment;
   feholdexcept(&environment);
   const int status = run(dem, dt, n, fluid);
   fesetenv(&environment);
+  if (taken != NULL)
+    *taken = (int)(dem->substeps - before);
   return status;
 }
 

@@ -134,6 +134,7 @@ struct dem_t {
   double r_min, r_max, r_mean, skin;
   part_levels levels;       /* of radii */
   double skin_most;         /* m, largest that adapt_skin may choose */
+  double skin_wide;         /* m, the same for dilute scenes */
   long long substeps_built; /* substeps when the lists were built */
   int64_t listed;           /* pairs then, of all ranks */
   double *mass_of;          /* [materials] kg, own free particles */
@@ -324,8 +325,8 @@ int dem_rank_sum(const dem_t *dem, int n, double *values);
 
 /* ---- horizon.c ---------------------------------------------------------------------------------
  */
-/* Collective. *free_flight = 1 when no contact can exist or begin within dt. */
-int dem_horizon(dem_t *dem, double dt, int *free_flight);
+/* Collective. Time (s) from now within which no contact can exist or begin; looks as far as dt. */
+int dem_horizon(dem_t *dem, double dt, double *free_time);
 
 /* ---- insert*.c ---------------------------------------------------------------------------------
  */

@@ -132,17 +132,31 @@ static int walk_contacts(dem_t *dem, const scene *s, int pairs, double *least) {
   return PART_OK;
 }
 
-/* First skin, and the largest: a fifth of a diameter, less where a periodic box is too short for
- * ghosts that far. A restart goes on with the skin it had. */
-static void set_skin(dem_t *dem) {
-  const double first = dem->params.skin_fraction * dem->r_mean;
-  dem->skin_most = 0.4 * dem->r_mean;
+/* Only spheres, planes and cylinders: what a wide skin costs are pairs. */
+static int has_triangles(const dem_t *dem) {
+  int any = 0;
+  for (int e = 0; e < (int)dem->walls.elements; e++)
+    any |= dem->walls.element[e].shape == DEM_SHAPE_TRIANGLE;
+  return any;
+}
+
+static double fit_skin(const dem_t *dem, double skin) {
   for (int c = 0; c < 3; c++)
     if (dem->box.periodic[c])
-      dem->skin_most =
-          fmin(dem->skin_most, 0.49 * (dem->box.hi[c] - dem->box.lo[c]) - 2.0 * dem->r_max -
-                                   fmax(dem->bonds.widest, dem->film.range));
-  dem->skin_most = fmax(dem->skin_most, first);
+      skin = fmin(skin, 0.49 * (dem->box.hi[c] - dem->box.lo[c]) - 2.0 * dem->r_max -
+                            fmax(dem->bonds.widest, dem->film.range));
+  return skin;
+}
+
+/* First skin, and the largest: a fifth of a diameter, four in dilute scenes, whose particles fly
+ * far; less where a periodic box is too short for ghosts that far. A restart goes on with the skin
+ * it had. */
+static void set_skin(dem_t *dem, int clumps) {
+  const double first = dem->params.skin_fraction * dem->r_mean;
+  const int simple =
+      !clumps && !has_triangles(dem) && dem->film.range == 0.0 && dem->bonds.widest == 0.0;
+  dem->skin_most = fmax(fit_skin(dem, 0.4 * dem->r_mean), first);
+  dem->skin_wide = simple ? fmax(fit_skin(dem, 8.0 * dem->r_mean), first) : dem->skin_most;
   if (!dem->restored || !dem->params.skip)
     dem->skin = first;
   dem->substeps_built = dem->substeps;
@@ -160,7 +174,7 @@ static int work_out(dem_t *dem, const scene *s) {
     dem->r_mean = s->r_sum / (double)dem->total;
   plan->lubrication = dem->film.given && (pairs || all);
   PART_TRY(dem_film_plan(dem));
-  set_skin(dem);
+  set_skin(dem, s->clumps > 0.0);
   plan->bonds = dem->bonds.rules > 0;
   plan->rolling = plan->cohesion = all;
   plan->tangential = all || plan->bonds;
@@ -234,6 +248,6 @@ int dem_plan_text(const dem_t *dem, size_t size, char *text) {
         add_line(size, text, "contact substeps", "nothing can touch", "one substep an advance"));
   else if (!plan->bonds)
     PART_TRY(add_line(size, text, "contact substeps before a contact can happen",
-                      "bound on gap over way", "all but one substep of such an advance"));
+                      "bound on gap over closing speed", "all but one of these substeps"));
   return PART_OK;
 }

@@ -74,8 +74,10 @@ static double best_skin(const dem_t *dem) {
   const double best2 =
       dem->fast.kernels != NULL ? 8.0 * d * dem_fast_inner(dem, way) : 20.0 * d * way;
   /* Where few pairs are near, lists cost little, and a wide skin lets dem_horizon look farther. */
-  if ((double)dem->listed < 0.25 * (double)dem->total)
-    return dem->skin_most;
+  if ((double)dem->listed < 0.25 * (double)dem->total) {
+    const int wider = (double)dem->listed < 0.06 * (double)dem->total;
+    return fmin(fmax((wider ? 2.0 : 1.0) * dem->skin, dem->skin_most), dem->skin_wide);
+  }
   return fmin(fmax(sqrt(best2), 0.01 * d), dem->skin_most);
 }
 
@@ -140,9 +142,9 @@ int dem_rebuild(dem_t *dem, int balance, int *count, void *payload) {
   free(payload);
   dem->generation++;
   dem->rebuilds++;
-  return status == PART_OK ? PART_OK
-                           : part_fail_context(status, "time %g s, step %lld", dem->time,
-                                               dem->substeps);
+  return status == PART_OK
+             ? PART_OK
+             : part_fail_context(status, "time %g s, step %lld", dem->time, dem->substeps);
 }
 
 /* Largest displacement of an own particle since the lists were built; NaN when there is one. */

@@ -240,9 +240,10 @@ int dem_start(dem_t *dem);
  * radius when nothing can touch), spheres of a clump by its size besides: part_box_wrap brings a
  * copy inside.
  *
- * Collective. Advance by dt (s) in equal substeps no longer than the stable one. The order of own
- * particles may change (migration, sorting): ask dem_store and its records again. *substeps may be
- * NULL. ERR_NUMERIC, ERR_OUTSIDE: the text names id, place and time. */
+ * Collective. Advance by dt (s) in equal substeps no longer than the stable one, except that those
+ * in which no contact can begin are taken as one (unless skip is off). *substeps (may be NULL): how
+ * many were taken. The order of own particles may change (migration, sorting): ask dem_store and its
+ * records again. ERR_NUMERIC, ERR_OUTSIDE: the text names id, place and time. */
 int dem_advance(dem_t *dem, double dt, int *substeps);
 
 /* The particles. Fluid force of own particle i: fields FLUID_SU (N) and FLUID_SP (kg/s), constant
