@@ -257,3 +257,12 @@ int dem_clumps_turns(dem_t *dem) {
              : part_domain_copy_to_ghosts(dem->domain, dem->store, 6 * sizeof *c->turn, c->turn,
                                           c->turn + 6 * (size_t)dem->store->local);
 }
+
+double dem_mobility(const dem_t *dem, int i, int j, const double n[3]) {
+  const double *vm = dem_vm(dem);
+  double w = vm[DEM_VM * (size_t)i + 3] + vm[DEM_VM * (size_t)j + 3];
+  if (dem->plan.clumps)
+    w += dem_form(dem->clumps.turn + 6 * (size_t)i, n) +
+         dem_form(dem->clumps.turn + 6 * (size_t)j, n);
+  return w;
+}

@@ -109,6 +109,8 @@ int dem_clumps_homes(const struct dem_t *dem, const int *count, const void *payl
 double dem_clump_light(int n, const struct dem_entry *entry);
 /* Collective. K of own members and of ghosts. */
 int dem_clumps_turns(struct dem_t *dem);
+/* 1/kg: how much an impulse along n changes the approach of particles i, j, own or ghosts (R.4). */
+double dem_mobility(const struct dem_t *dem, int i, int j, const double n[3]);
 
 /* Kick of one clump by contact, gravity (m/s2) and fluid over h, and the drift of drift_h (0: none)
  * under them. */

@@ -7,7 +7,6 @@
  * particle then add up to at most m/dt, so that by Gershgorin's circles no motion is damped by more
  * than twice its velocity in a step, and none can grow. */
 #include "internal.h"
-#include "rotation.h"
 
 static const double share_of_step = 1.0 / 6.0;
 
@@ -85,16 +84,6 @@ static double coefficient(const dem_t *dem, double R, double h) {
   return 6.0 * pi * mu * R * R / h;
 }
 
-/* 1/m_i + 1/m_j along n, turning of clumps included (R.4). */
-static double mobility(const dem_t *dem, int i, int j, const double n[3]) {
-  const double *vm = dem_vm(dem);
-  double w = vm[DEM_VM * (size_t)i + 3] + vm[DEM_VM * (size_t)j + 3];
-  if (dem->plan.clumps)
-    w += dem_form(dem->clumps.turn + 6 * (size_t)i, n) +
-         dem_form(dem->clumps.turn + 6 * (size_t)j, n);
-  return w;
-}
-
 static void one_film(dem_t *dem, int i, int j, double dt) {
   const double *xr = dem_xr(dem), *v = dem_vm(dem) + DEM_VM * (size_t)i;
   const double *u = dem_vm(dem) + DEM_VM * (size_t)j;
@@ -106,7 +95,7 @@ static void one_film(dem_t *dem, int i, int j, double dt) {
   for (int c = 0; c < 3; c++)
     n[c] /= gap + r + s;
   const double v_n = (v[0] - u[0]) * n[0] + (v[1] - u[1]) * n[1] + (v[2] - u[2]) * n[2];
-  const double most = share_of_step / (dt * mobility(dem, i, j, n));
+  const double most = share_of_step / (dt * dem_mobility(dem, i, j, n));
   const double lambda =
       fmin(coefficient(dem, reduced_radius(r, s), fmax(gap, dem->film.params.inner_gap)), most);
   double *fi = dem_ft(dem) + DEM_FT * (size_t)i, *fj = dem_ft(dem) + DEM_FT * (size_t)j;

@@ -79,8 +79,10 @@ void dem_wear_pairs(dem_t *dem, double dt) {
       const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2], reach = x[3] + y[3];
       if (!(d2 < reach * reach) || before(d, v, dt) < reach * reach || !(u[3] + w[3] > 0.0))
         continue;
-      const double closing = (d[0] * v[0] + d[1] * v[1] + d[2] * v[2]) / sqrt(d2);
-      const double energy = 0.5 * closing * closing / (u[3] + w[3]);
+      const double distance = sqrt(d2);
+      const double n[3] = {d[0] / distance, d[1] / distance, d[2] / distance};
+      const double closing = v[0] * n[0] + v[1] * n[1] + v[2] * n[2];
+      const double energy = 0.5 * closing * closing / dem_mobility(dem, i, j, n);
       add_half(dem, i, energy);
       add_half(dem, j, energy);
     }
@@ -151,6 +153,8 @@ int dem_get_wear(dem_t *dem, int number, double *shear, double *volume, double *
 
 int dem_get_impact(dem_t *dem, int material, dem_impact *impact) {
   double sums[2] = {0.0, 0.0};
+  const double *inverse_mass = part_field_double(dem->store, DEM_FIELD_SPHERE_INVERSE_MASS);
+  const size_t stride = (size_t)part_field_stride(dem->store, DEM_FIELD_SPHERE_INVERSE_MASS);
   if (!dem->started || !dem->wear.impact_asked)
     return part_fail(PART_ERR_STATE, "dem_get_impact comes after dem_start, with a "
                                      "breakageCoefficient in a material");
@@ -160,7 +164,7 @@ int dem_get_impact(dem_t *dem, int material, dem_impact *impact) {
   sums[0] = dem->wear.impact[material];
   for (int i = 0; i < dem->store->local; i++)
     if (dem_material_of(dem, i) == material)
-      sums[1] += dem_own_mass(dem, i);
+      sums[1] += 1.0 / inverse_mass[stride * (size_t)i]; /* of a clump's: its share */
   PART_TRY(dem_rank_sum(dem, 2, sums));
   impact->energy = sums[0];
   impact->mass = sums[1];

@@ -305,10 +305,39 @@ static void elastic_gas(void **state) {
   dem_destroy(dem);
 }
 
+/* Impact energy (D.20) of a sphere that hits one end of a rod, m_eff of R.4; the mass that it is
+ * divided by is that of the union. */
+static void impact_energy(void **state) {
+  (void)state;
+  const char *shape = rod_shape();
+  const double arm = 0.005, ball = 0.004, speed = 0.8;
+  const double x[3] = {arm, 0.0, 0.03}, v[3] = {0.0, 0.0, -speed};
+  scene s = scene_default();
+  dem_clump_shape_report form;
+  dem_impact impact;
+  s.breakage = 0.1;
+  dem_t *dem = scene_create(&s);
+  OK(dem_get_clump_shape(dem, shape, &form));
+  dem_insert insert = one_clump(shape, nowhere, nowhere, nowhere);
+  OK(dem_insert_particles(dem, &insert, -1, NULL));
+  add_sphere(dem, DEM_FREE, -1, x, ball, v);
+  OK(dem_start(dem));
+  for (int k = 0; k < 50; k++)
+    OK(dem_advance(dem, 1e-3, NULL));
+  OK(dem_get_impact(dem, 0, &impact));
+  const double clump = s.density * form.volume, sphere = sphere_mass(s.density, ball);
+  const double w = 1.0 / clump + arm * arm / (s.density * form.inertia[2]) + 1.0 / sphere;
+  CLOSE(impact.energy, 0.5 * speed * speed / w, 1e-9 * impact.energy);
+  CLOSE(impact.mass, clump + sphere, 1e-12 * impact.mass);
+  dem_destroy(dem);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(free_top),    cmocka_unit_test(symmetric_top), cmocka_unit_test(one_sphere),
-      cmocka_unit_test(rod_on_wall), cmocka_unit_test(sphere_on_rod), cmocka_unit_test(elastic_gas),
+      cmocka_unit_test(free_top),      cmocka_unit_test(symmetric_top),
+      cmocka_unit_test(one_sphere),    cmocka_unit_test(rod_on_wall),
+      cmocka_unit_test(sphere_on_rod), cmocka_unit_test(elastic_gas),
+      cmocka_unit_test(impact_energy),
   };
   MPI_Init(&argc, &argv);
   const int failed = cmocka_run_group_tests(tests, NULL, remove_clump_files);
