@@ -1,0 +1,222 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sph_advance: steps of the two time schemes (S.13, S.14). */
+#include <fenv.h>
+
+#include "internal.h"
+
+/* What particles get in h: gravity, the force of others and the rates of the fluid. */
+static void kick(sph_t *sph, double h) {
+  const double *g = sph->params.gravity;
+  double force[3] = {0.0, 0.0, 0.0};
+  for (int i = 0; i < sph->store->local; i++) {
+    double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
+    const double *rate = sph_rate(sph) + SPH_RATE * (size_t)i;
+    for (int c = 0; c < 3; c++)
+      v[c] += h * (rate[c] + g[c]);
+    if (sph->plan.forces) {
+      const double *f = sph_force(sph) + SPH_FORCE * (size_t)i;
+      const double w = h / sph_mass(sph)[SPH_MASS * (size_t)i];
+      for (int c = 0; c < 3; c++) {
+        v[c] += w * f[c];
+        force[c] += f[c];
+      }
+    }
+  }
+  sph_sum_add(&sph->gravity_impulse, g, sph->own_mass * h);
+  sph_sum_add(&sph->force_impulse, force, h);
+  sph_sum_add(&sph->wall_impulse, sph->wall_force, h);
+  sph_walls_add_impulse(sph, h);
+}
+
+static void drift(sph_t *sph, double h) {
+  for (int i = 0; i < sph->store->local; i++) {
+    double *x = sph_xv(sph) + SPH_XV * (size_t)i;
+    for (int c = 0; c < 3; c++)
+      x[c] += h * x[4 + c];
+  }
+}
+
+/* S.11, from the sums of the density loop. */
+static void drift_with_neighbours(sph_t *sph, double h) {
+  const double share = sph->params.xsph * h;
+  for (int i = 0; i < sph->store->local && sph->plan.xsph; i++) {
+    double *x = sph_xv(sph) + SPH_XV * (size_t)i;
+    const double *s = sph->sum + SPH_SUMS * (size_t)i + 2;
+    for (int c = 0; c < 3; c++)
+      x[c] += share * s[c];
+  }
+}
+
+static void change_density(sph_t *sph, double h) {
+  for (int i = 0; i < sph->store->local; i++)
+    sph_mass(sph)[SPH_MASS * (size_t)i + 1] += h * sph_rate(sph)[SPH_RATE * (size_t)i + 3];
+}
+
+static double own_speed(const sph_t *sph) {
+  double most = 0.0;
+  for (int i = 0; i < sph->store->local; i++) {
+    const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
+    const double v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    if (!(v2 <= most))
+      most = v2;
+  }
+  return sqrt(most);
+}
+
+/* Lists that hold until particles have moved by `way` more (m). With XSPH a particle goes no farther
+ * than the fastest of its neighbourhood, for S.11 with V W summing to about 1; 2 is ample. Collective.
+ * NaN counts as far, and is found by the check of the state. */
+static int make_sure_of_lists(sph_t *sph, double way) {
+  way *= sph->plan.xsph ? 1.0 + 2.0 * sph->params.xsph : 1.0;
+  if (!(way <= 0.5 * sph->skin))
+    way = HUGE_VAL;
+  if (MPI_Allreduce(MPI_IN_PLACE, &way, 1, MPI_DOUBLE, MPI_MAX, sph->comm) != MPI_SUCCESS)
+    return part_fail(PART_ERR_MPI, "a maximum over ranks failed");
+  if (isinf(way)) {
+    PART_TRY(sph_check_state(sph));
+    return part_fail(PART_ERR_NUMERIC,
+                     "time %g s: a particle would move by more than half the skin of %g m in one "
+                     "step: skinFraction is too small, or the speed of sound",
+                     sph->time, sph->skin);
+  }
+  if (sph->travel + way > 0.5 * sph->skin)
+    PART_TRY(sph_rebuild(sph, 0));
+  sph->travel += way;
+  return PART_OK;
+}
+
+/* S.13: half kick, half drift, density where velocities are, half drift, forces, half kick. */
+static int symplectic_step(sph_t *sph, double h) {
+  const int summation = sph->plan.summation;
+  kick(sph, 0.5 * h);
+  PART_TRY(make_sure_of_lists(sph, own_speed(sph) * h));
+  drift(sph, summation ? h : 0.5 * h);
+  PART_TRY(sph_refresh_ghosts(sph));
+  PART_TRY(part_agree(sph->comm, sph_density_rates(sph)));
+  if (!summation) {
+    change_density(sph, h);
+    drift(sph, 0.5 * h);
+    drift_with_neighbours(sph, h);
+  }
+  sph_set_states(sph);
+  PART_TRY(sph_refresh_ghosts(sph));
+  PART_TRY(part_agree(sph->comm, sph_accelerations(sph)));
+  kick(sph, 0.5 * h);
+  return PART_OK;
+}
+
+static int save(sph_t *sph) {
+  const size_t n = (size_t)sph->store->local;
+  PART_TRY(sph_grow(8 * n, sizeof *sph->saved, &sph->saved_room, &sph->saved));
+  for (size_t i = 0; i < n; i++) {
+    memcpy(sph->saved + 8 * i, sph_xv(sph) + SPH_XV * i, 8 * sizeof *sph->saved);
+    sph->saved[8 * i + 3] = sph_mass(sph)[SPH_MASS * i + 1]; /* in place of the volume */
+  }
+  return PART_OK;
+}
+
+/* To where the step began. */
+static void restore(sph_t *sph) {
+  for (size_t i = 0; i < (size_t)sph->store->local; i++) {
+    double *xv = sph_xv(sph) + SPH_XV * i;
+    const double *s = sph->saved + 8 * i;
+    for (int c = 0; c < 3; c++) {
+      xv[c] = s[c];
+      xv[4 + c] = s[4 + c];
+    }
+    sph_mass(sph)[SPH_MASS * i + 1] = s[3];
+  }
+}
+
+/* Without the impulses of walls and forces, which are those of the corrector. */
+static void predict(sph_t *sph, double h) {
+  const double *g = sph->params.gravity;
+  for (size_t i = 0; i < (size_t)sph->store->local; i++) {
+    double *xv = sph_xv(sph) + SPH_XV * i, *m = sph_mass(sph) + SPH_MASS * i;
+    const double *rate = sph_rate(sph) + SPH_RATE * i, *f = sph_force(sph) + SPH_FORCE * i;
+    for (int c = 0; c < 3; c++) {
+      xv[c] += h * xv[4 + c];
+      xv[4 + c] += h * (rate[c] + g[c] + f[c] / m[0]);
+    }
+    m[1] += h * rate[3];
+  }
+}
+
+/* Rates at the middle of the step. The force loop writes over the sums of S.11, so they move the
+ * place where the step began. */
+static int middle_rates(sph_t *sph, double h) {
+  const double share = sph->params.xsph * h;
+  sph_set_states(sph);
+  PART_TRY(sph_refresh_ghosts(sph));
+  PART_TRY(part_agree(sph->comm, sph_density_rates(sph)));
+  if (sph->plan.summation) {
+    sph_set_states(sph);
+    PART_TRY(sph_refresh_ghosts(sph));
+  }
+  for (size_t i = 0; i < (size_t)sph->store->local && sph->plan.xsph; i++)
+    for (size_t c = 0; c < 3; c++)
+      sph->saved[8 * i + c] += share * sph->sum[SPH_SUMS * i + 2 + c];
+  return part_agree(sph->comm, sph_accelerations(sph));
+}
+
+/* S.14: rates at the middle of the step, from a state predicted with those of the last step. */
+static int corrected_step(sph_t *sph, double h) {
+  PART_TRY(make_sure_of_lists(sph, 0.5 * own_speed(sph) * h));
+  PART_TRY(part_agree(sph->comm, save(sph)));
+  predict(sph, 0.5 * h);
+  PART_TRY(middle_rates(sph, h));
+  restore(sph);
+  kick(sph, 0.5 * h);
+  double way = own_speed(sph) * h * (1.0 + 2.0 * sph->params.xsph);
+  if (MPI_Allreduce(MPI_IN_PLACE, &way, 1, MPI_DOUBLE, MPI_MAX, sph->comm) != MPI_SUCCESS)
+    return part_fail(PART_ERR_MPI, "a maximum over ranks failed");
+  sph->travel += way; /* of this whole step, that of its middle besides: a bound */
+  drift(sph, h);
+  kick(sph, 0.5 * h);
+  if (!sph->plan.summation)
+    change_density(sph, h);
+  sph_set_states(sph);
+  return PART_OK;
+}
+
+static int run(sph_t *sph, double dt, int *steps) {
+  const double end = sph->time + dt;
+  double left = dt, longest, speed;
+  PART_TRY(sph_plan_fields(sph));
+  sph_set_states(sph); /* eps may be new */
+  while (left > 0.0) {
+    PART_TRY(sph_limits(sph, &longest, &speed));
+    /* A ratio that is whole but for rounding is meant to be whole. */
+    const double ratio = fmax(ceil(left / longest * (1.0 - 1e-12)), 1.0);
+    if (!(ratio < 1e9)) {
+      PART_TRY(sph_check_state(sph));
+      return part_fail(PART_ERR_RANGE, "advance by %g s: more than 1e9 steps of %g s", left, longest);
+    }
+    const double h = left / ratio;
+    PART_TRY(sph->params.time_scheme == SPH_SYMPLECTIC ? symplectic_step(sph, h)
+                                                       : corrected_step(sph, h));
+    PART_TRY(sph_check_state(sph));
+    left = ratio > 1.0 ? left - h : 0.0;
+    sph->time = end - left;
+    sph->steps++;
+    if (steps != NULL)
+      ++*steps;
+  }
+  return PART_OK;
+}
+
+int sph_advance(sph_t *sph, double dt, int *steps) {
+  if (steps != NULL)
+    *steps = 0;
+  if (!sph->started)
+    return part_fail(PART_ERR_STATE, "sph_advance comes after sph_start");
+  if (!(dt > 0.0) || !isfinite(dt))
+    return part_fail(PART_ERR_RANGE, "advance by %g s: must be positive and finite", dt);
+  /* Lanes of padding compute too: whoever traps floating point exceptions (OpenFOAM does) must not
+   * see that. */
+  fenv_t environment;
+  feholdexcept(&environment);
+  const int status = run(sph, dt, steps);
+  fesetenv(&environment);
+  return status;
+}

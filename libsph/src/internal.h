@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of libsph share. */
+#ifndef SPH_INTERNAL_H
+#define SPH_INTERNAL_H
+
+#include <math.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "pair_loops.h"
+#include "particle/neighbours.h"
+#include "sph/sph.h"
+#include "sum.h"
+#include "walls.h"
+
+enum { SPH_MASS = 4, SPH_RATE = 4, SPH_FORCE = 4, SPH_META = 2 }; /* widths of records */
+
+/* What the scene needs, worked out by sph_start and when eps is set. */
+typedef struct sph_plan {
+  int walls;     /* there are some */
+  int diffusion; /* densityDiffusion > 0 */
+  int xsph, summation;
+  int viscous;      /* viscosity > 0 */
+  int hydrostatic;  /* gravity along a direction that is not periodic */
+  int porous;       /* eps below 1 somewhere */
+  int forces;       /* a force of others somewhere */
+} sph_plan;
+
+enum sph_stage {
+  SPH_STAGE_DENSITY,
+  SPH_STAGE_FORCE,
+  SPH_STAGE_WALLS,
+  SPH_STAGE_MOVE,
+  SPH_STAGE_NEIGHBOURS,
+  SPH_STAGE_GHOSTS,
+  SPH_STAGE_COUNT
+};
+
+/* Full lists: row i has all partners of i, padded with i itself to whole blocks. */
+typedef struct sph_lists {
+  int rows;
+  int *start, *partner;
+  size_t start_room, partner_room;
+  long long listed; /* directed pairs, without padding */
+} sph_lists;
+
+struct sph_t {
+  MPI_Comm comm;
+  int rank, ranks;
+  sph_params params;
+  part_domain *domain;
+  part_box box;
+  part_store *store;
+  part_pairs *pairs; /* half lists, from which the full ones are made */
+  part_timers *timers;
+  int stage[SPH_STAGE_COUNT];
+
+  double reach, skin; /* m, radius of the support */
+  double norm;        /* 1/m3: W = norm shape(r/h), over depth with two dimensions */
+  double cell;        /* m3, spacing^dim */
+  double plane;       /* m, z of all particles with two dimensions */
+  double hydrostatic[3]; /* Pa/m */
+  double monaghan;       /* alpha of S.9 */
+  sph_plan plan;
+  sph_walls walls;
+
+  int started, restored, restored_elsewhere;
+  int64_t total;
+  double time, least_eps;
+  sph_lists lists;
+  const sph_loops *loops;
+  int width_limit;
+  double *sum; /* [own][SPH_SUMS] */
+  size_t sum_room;
+  double *shade; /* [own] sum of V W over ghost points: 1 - Gamma (S.6) */
+  size_t shade_room;
+  double *saved; /* [own][8] x v rho_bar when a step of the predictor-corrector began */
+  size_t saved_room;
+
+  double travel; /* m, bound of the way of any particle since the lists were built */
+  double wall_force[3]; /* N, on own particles now */
+  double own_mass;      /* kg */
+  sph_sum gravity_impulse, wall_impulse, force_impulse;
+  double initial_momentum[3];
+  long long generation, steps, rebuilds;
+  double imbalance;
+};
+
+/* ---- access -------------------------------------------------------------------------------------- */
+static inline double *sph_xv(const sph_t *sph) {
+  return part_record_double(sph->store, SPH_RECORD_XV);
+}
+static inline double *sph_mass(const sph_t *sph) {
+  return part_record_double(sph->store, SPH_RECORD_MASS);
+}
+static inline double *sph_rate(const sph_t *sph) {
+  return part_record_double(sph->store, SPH_RECORD_RATE);
+}
+static inline double *sph_force(const sph_t *sph) {
+  return part_record_double(sph->store, SPH_RECORD_FORCE);
+}
+static inline int64_t sph_id(const sph_t *sph, int i) {
+  return part_record_int64(sph->store, SPH_RECORD_META)[SPH_META * (size_t)i];
+}
+
+/* ---- memory.c: ERR_MEMORY; items are zero -------------------------------------------------------- */
+int sph_grow(size_t count, size_t size, size_t *capacity, void *pointer_to_pointer);
+
+/* ---- kernel.c ------------------------------------------------------------------------------------ */
+double sph_shape(int kernel, double q);
+double sph_slope(int kernel, double q); /* (1/q) d shape/dq */
+double sph_kernel_norm(int kernel, int dimensions);
+double sph_kernel_monaghan(int kernel, int dimensions);
+
+/* ---- insert.c ------------------------------------------------------------------------------------ */
+/* Density of the fluid at a pressure (S.3), 0 where there is none. */
+double sph_density_at(const sph_params *params, double pressure);
+
+/* ---- state.c ------------------------------------------------------------------------------------- */
+/* Volume and pressure of own particle i from its mass, density and eps (S.1, S.3). */
+void sph_set_state(sph_t *sph, int i);
+void sph_set_states(sph_t *sph);
+/* Collective. Copies of volume, velocity, pressure, position (and eps) to the ghosts. */
+int sph_refresh_ghosts(sph_t *sph);
+/* Rates of density into the sums and RATE; positions, velocities and pressures of ghosts are there. */
+int sph_density_rates(sph_t *sph);
+/* Densities as sums (S.6). */
+void sph_density_sums(sph_t *sph);
+/* Accelerations into RATE, and the force on the walls. */
+int sph_accelerations(sph_t *sph);
+/* Collective. ERR_NUMERIC, ERR_OUTSIDE. */
+int sph_check_state(sph_t *sph);
+/* Collective. Longest step and largest speed. */
+int sph_limits(sph_t *sph, double *step, double *speed);
+
+/* ---- lists.c ------------------------------------------------------------------------------------- */
+/* Collective. Migrate, sort, ghosts, lists. */
+int sph_rebuild(sph_t *sph, int balance);
+/* Collective. Widest loops that all ranks have. */
+int sph_choose_loops(sph_t *sph);
+
+/* ---- plan.c -------------------------------------------------------------------------------------- */
+/* Collective. porous, forces and least eps from the fields. */
+int sph_plan_fields(sph_t *sph);
+void sph_make_plan(sph_t *sph);
+
+/* ---- report.c ------------------------------------------------------------------------------------ */
+/* Momentum of own particles; size: sum of m |v| (NULL: not). */
+void sph_own_momentum(const sph_t *sph, double momentum[3], double *size);
+/* Collective. Sum of n doubles over ranks in rank order: the same bits on every rank. */
+int sph_rank_sum(const sph_t *sph, int n, double *values);
+
+#endif

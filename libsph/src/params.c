@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Tables made from the .def lists: particle fields, parameters, names of kernels and schemes. */
+#include "internal.h"
+
+static const part_record record_rows[] = {
+#define SPH_RECORD(name, type, width) {#name, type, width},
+#define SPH_FIELD(name, key, record, offset, comps, flags, unit, meaning)
+#include "sph/particle_fields.def"
+#undef SPH_RECORD
+#undef SPH_FIELD
+};
+
+static const part_field field_rows[] = {
+#define SPH_RECORD(name, type, width)
+#define SPH_FIELD(name, key, record, offset, comps, flags, unit, meaning)                          \
+  {key, SPH_RECORD_##record, offset, comps, flags, unit, meaning},
+#include "sph/particle_fields.def"
+#undef SPH_RECORD
+#undef SPH_FIELD
+};
+
+const part_layout sph_layout = {SPH_RECORD_COUNT, record_rows, SPH_FIELD_COUNT, field_rows,
+                                SPH_FIELD_ID};
+
+static const char *const sph_kernel_names[] = {
+#define SPH_KERNEL(name, key, support, meaning) key,
+#include "sph/kernels.def"
+#undef SPH_KERNEL
+    NULL};
+static const char *const sph_density_schemes[] = {"continuity", "summation", NULL};
+static const char *const sph_viscosity_models[] = {"morris", "monaghan", NULL};
+static const char *const sph_time_schemes[] = {"symplectic", "predictorCorrector", NULL};
+static const char *const sph_wall_types[] = {"plane", "triangles", NULL};
+static const char *const sph_wall_slips[] = {"noSlip", "freeSlip", NULL};
+
+#define SPH_DIMS(kg, m, s)                                                                         \
+  { kg, m, s, 0, 0, 0, 0 }
+#define SPH_THREE(a, b, c)                                                                         \
+  { a, b, c }
+#define SPH_PARAM(key, type, member, dims, required, def, low, high, low_open, high_open, choices, \
+                  word, meaning)                                                                   \
+  {key,                                                                                            \
+   PART_PARAM_##type,                                                                              \
+   offsetof(struct SPH_STRUCT, member),                                                            \
+   dims,                                                                                           \
+   required,                                                                                       \
+   def,                                                                                            \
+   low,                                                                                            \
+   high,                                                                                           \
+   low_open,                                                                                       \
+   high_open,                                                                                      \
+   choices,                                                                                        \
+   word,                                                                                           \
+   meaning},
+
+static const part_param params_rows[] = {
+#define SPH_STRUCT sph_params
+#include "sph/main_params.def"
+#undef SPH_STRUCT
+};
+static const part_param insert_rows[] = {
+#define SPH_STRUCT sph_insert
+#include "sph/insert_params.def"
+#undef SPH_STRUCT
+};
+static const part_param wall_rows[] = {
+#define SPH_STRUCT sph_wall_params
+#include "sph/wall_params.def"
+#undef SPH_STRUCT
+};
+
+#define SPH_TABLE(name, rows)                                                                      \
+  { name, (int)(sizeof rows / sizeof rows[0]), rows }
+const part_param_table sph_params_table = SPH_TABLE("sphProperties", params_rows);
+const part_param_table sph_insert_table = SPH_TABLE("fill", insert_rows);
+const part_param_table sph_wall_table = SPH_TABLE("wall", wall_rows);

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From what was inserted to a running scene. */
+#include <fenv.h>
+
+#include "internal.h"
+
+static int check(const sph_t *sph) {
+  if (sph->started)
+    return part_fail(PART_ERR_STATE, "sph_start is called once");
+  if (sph->total == 0)
+    return part_fail(PART_ERR_STATE, "there are no particles: insert or read some before sph_start");
+  for (int c = 0; c < 3; c++) {
+    const double length = sph->box.hi[c] - sph->box.lo[c];
+    if (sph->box.periodic[c] && length < 2.0 * (sph->reach + sph->skin))
+      return part_fail(PART_ERR_RANGE,
+                       "the domain is %g m long in its periodic direction %d; must be at least two "
+                       "supports with skin, %g m",
+                       length, c, 2.0 * (sph->reach + sph->skin));
+  }
+  return PART_OK;
+}
+
+/* Floating point exceptions held: see sph_advance. */
+static int first_rates(sph_t *sph) {
+  fenv_t environment;
+  feholdexcept(&environment);
+  int status = PART_OK;
+  if (sph->plan.summation) {
+    status = sph_density_rates(sph);
+    if (status == PART_OK) {
+      sph_set_states(sph);
+      status = sph_refresh_ghosts(sph);
+    }
+  } else if (sph->params.time_scheme == SPH_PREDICTOR_CORRECTOR) {
+    status = sph_density_rates(sph);
+  }
+  if (status == PART_OK)
+    status = sph_accelerations(sph);
+  fesetenv(&environment);
+  return status;
+}
+
+int sph_start(sph_t *sph) {
+  PART_TRY(check(sph));
+  sph_make_plan(sph);
+  PART_TRY(sph_choose_loops(sph));
+  PART_TRY(part_agree(sph->comm, sph_walls_bins(&sph->walls, sph->reach + sph->skin)));
+  PART_TRY(sph_plan_fields(sph));
+  if (!sph->restored)
+    sph_set_states(sph);
+  PART_TRY(sph_rebuild(sph, !sph->restored || sph->restored_elsewhere));
+  sph->started = 1;
+  if (sph->restored)
+    return PART_OK;
+  PART_TRY(first_rates(sph));
+  sph_own_momentum(sph, sph->initial_momentum, NULL);
+  return PART_OK;
+}
+
+static int check_eps(const sph_t *sph, const double *eps) {
+  for (int i = 0; i < sph->store->local; i++)
+    if (!(eps[i] > 0.0 && eps[i] <= 1.0))
+      return part_fail(PART_ERR_RANGE, "particle %lld: eps is %g; must be in (0, 1]",
+                       (long long)sph_id(sph, i), eps[i]);
+  return PART_OK;
+}
+
+int sph_displace(sph_t *sph, const double *eps) {
+  if (!sph->started || sph->restored || sph->steps > 0)
+    return part_fail(PART_ERR_STATE,
+                     "sph_displace comes after sph_start and before sph_advance, not after sph_read");
+  PART_TRY(part_agree(sph->comm, check_eps(sph, eps)));
+  sph->own_mass = 0.0;
+  for (int i = 0; i < sph->store->local; i++) {
+    double *m = sph_mass(sph) + SPH_MASS * (size_t)i;
+    m[0] *= eps[i] / m[2];
+    m[1] *= eps[i] / m[2];
+    m[2] = eps[i];
+    sph->own_mass += m[0];
+  }
+  PART_TRY(sph_plan_fields(sph));
+  sph_set_states(sph);
+  PART_TRY(sph_refresh_ghosts(sph));
+  PART_TRY(first_rates(sph));
+  sph_own_momentum(sph, sph->initial_momentum, NULL);
+  return PART_OK;
+}

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Rates and accelerations of the particles where they are, and the limits of the step. Equation
+ * numbers: doc/equations.md. */
+#include "internal.h"
+
+/* S.3. The usual exponent without pow. */
+static double pressure_of(const sph_params *p, double density) {
+  const double x = density / p->density, k = p->density * p->sound_speed * p->sound_speed;
+  const double x2 = x * x, power = p->gamma == 7.0 ? x2 * x2 * x2 * x : pow(x, p->gamma);
+  return k / p->gamma * (power - 1.0) + p->background_pressure;
+}
+
+void sph_set_state(sph_t *sph, int i) {
+  double *xv = sph_xv(sph) + SPH_XV * (size_t)i;
+  const double *m = sph_mass(sph) + SPH_MASS * (size_t)i;
+  xv[3] = m[0] / m[1];
+  xv[7] = pressure_of(&sph->params, m[1] / m[2]);
+}
+
+void sph_set_states(sph_t *sph) {
+  for (int i = 0; i < sph->store->local; i++)
+    sph_set_state(sph, i);
+}
+
+int sph_refresh_ghosts(sph_t *sph) {
+  part_timers_start(sph->timers, sph->stage[SPH_STAGE_GHOSTS]);
+  int status = part_domain_update_ghosts(sph->domain, sph->store);
+  if (status == PART_OK && sph->plan.porous) {
+    double *mass = sph_mass(sph);
+    status = part_domain_copy_to_ghosts(sph->domain, sph->store, SPH_MASS * sizeof *mass, mass,
+                                        mass + SPH_MASS * (size_t)sph->store->local);
+  }
+  part_timers_stop(sph->timers, sph->stage[SPH_STAGE_GHOSTS]);
+  return status;
+}
+
+static sph_lanes lanes_of(const sph_t *sph) {
+  const sph_params *p = &sph->params;
+  const int all = !p->skip;
+  const double *g = sph->hydrostatic;
+  return (sph_lanes){.xv = sph_xv(sph),
+                     .mass = sph_mass(sph),
+                     .start = sph->lists.start,
+                     .partner = sph->lists.partner,
+                     .dimensions = (int)p->dimensions,
+                     .h = p->smoothing_length,
+                     .norm = sph->norm,
+                     .density = p->density,
+                     .hydrostatic = {g[0], g[1], g[2]},
+                     .diffuse = sph->plan.diffusion || all,
+                     .smooth = sph->plan.xsph || all,
+                     .count = sph->plan.summation || all,
+                     .porous = sph->plan.porous || all,
+                     .viscosity = p->viscosity_model == SPH_MORRIS ? p->viscosity : 0.0,
+                     .monaghan = p->viscosity_model == SPH_MONAGHAN ? p->density * sph->monaghan : 0.0,
+                     .sound_speed = p->sound_speed,
+                     .artificial = p->density * p->artificial_viscosity * p->sound_speed *
+                                   p->smoothing_length};
+}
+
+static int density_sums(sph_t *sph) {
+  const sph_lanes lanes = lanes_of(sph);
+  part_timers_start(sph->timers, sph->stage[SPH_STAGE_DENSITY]);
+  sph->loops->density[sph->params.kernel](&lanes, 0, sph->lists.rows, sph->sum);
+  part_timers_stop(sph->timers, sph->stage[SPH_STAGE_DENSITY]);
+  return sph->plan.walls ? sph_walls_density(sph) : PART_OK;
+}
+
+/* S.4 + S.5, or S.6: what the scheme asks for. */
+int sph_density_rates(sph_t *sph) {
+  const sph_params *p = &sph->params;
+  const double diffuse = 2.0 * p->density_diffusion * p->smoothing_length / p->sound_speed;
+  PART_TRY(density_sums(sph));
+  if (sph->plan.summation) {
+    sph_density_sums(sph);
+    return PART_OK;
+  }
+  for (int i = 0; i < sph->store->local; i++) {
+    const double *s = sph->sum + SPH_SUMS * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
+    sph_rate(sph)[SPH_RATE * (size_t)i + 3] = m[1] * s[0] - m[2] * diffuse * s[1];
+  }
+  return PART_OK;
+}
+
+void sph_density_sums(sph_t *sph) {
+  const double own = sph->norm * sph_shape(sph->params.kernel, 0.0);
+  for (int i = 0; i < sph->store->local; i++) {
+    double *m = sph_mass(sph) + SPH_MASS * (size_t)i;
+    const double inside = 1.0 - (sph->plan.walls ? sph->shade[i] : 0.0);
+    m[1] = m[0] * (sph->sum[SPH_SUMS * (size_t)i + 5] + own) / inside;
+  }
+}
+
+int sph_accelerations(sph_t *sph) {
+  const sph_lanes lanes = lanes_of(sph);
+  part_timers_start(sph->timers, sph->stage[SPH_STAGE_FORCE]);
+  sph->loops->force[sph->params.kernel](&lanes, 0, sph->lists.rows, sph->sum);
+  part_timers_stop(sph->timers, sph->stage[SPH_STAGE_FORCE]);
+  memset(sph->wall_force, 0, sizeof sph->wall_force);
+  if (sph->plan.walls)
+    PART_TRY(sph_walls_force(sph));
+  for (int i = 0; i < sph->store->local; i++) {
+    const double *s = sph->sum + SPH_SUMS * (size_t)i;
+    const double per_density = 1.0 / sph_mass(sph)[SPH_MASS * (size_t)i + 1];
+    double *rate = sph_rate(sph) + SPH_RATE * (size_t)i;
+    for (int c = 0; c < 3; c++)
+      rate[c] = per_density * s[c];
+  }
+  return PART_OK;
+}
+
+static int check_particle(const sph_t *sph, int i) {
+  const sph_params *p = &sph->params;
+  const double *x = sph_xv(sph) + SPH_XV * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
+  const double v2 = x[4] * x[4] + x[5] * x[5] + x[6] * x[6], density = m[1] / m[2];
+  const char *what = NULL;
+  if (!isfinite(x[0] + x[1] + x[2] + v2 + x[7]))
+    what = "is not finite";
+  else if (v2 > p->sound_speed * p->sound_speed)
+    what = "is faster than sound: soundSpeed must be ten times the largest speed, or the step is too "
+           "long";
+  else if (!(density > 0.5 * p->density && density < 2.0 * p->density))
+    what = "has lost half of its density or doubled it: soundSpeed is too low, or the step too long";
+  if (what == NULL)
+    return PART_OK;
+  return part_fail(PART_ERR_NUMERIC,
+                   "particle %lld at (%g %g %g) m, time %g s, velocity (%g %g %g) m/s, density %g "
+                   "kg/m^3 %s",
+                   (long long)sph_id(sph, i), x[0], x[1], x[2], sph->time, x[4], x[5], x[6], density,
+                   what);
+}
+
+int sph_check_state(sph_t *sph) {
+  int status = PART_OK;
+  for (int i = 0; status == PART_OK && i < sph->store->local; i++)
+    status = check_particle(sph, i);
+  return part_agree(sph->comm, status);
+}
+
+/* S.15. The speed of sound of the mixture is c/sqrt(eps). */
+int sph_limits(sph_t *sph, double *step, double *speed) {
+  const sph_params *p = &sph->params;
+  const double h = p->smoothing_length, c = p->sound_speed;
+  double most[2] = {0.0, 0.0};
+  for (int i = 0; i < sph->store->local; i++) {
+    const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
+    const double *rate = sph_rate(sph) + SPH_RATE * (size_t)i;
+    const double *force = sph_force(sph) + SPH_FORCE * (size_t)i;
+    const double per_mass = 1.0 / sph_mass(sph)[SPH_MASS * (size_t)i];
+    double a2 = 0.0;
+    for (int k = 0; k < 3; k++) {
+      const double a = rate[k] + p->gravity[k] + per_mass * force[k];
+      a2 += a * a;
+    }
+    most[0] = fmax(most[0], v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    most[1] = fmax(most[1], a2);
+  }
+  if (MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, sph->comm) != MPI_SUCCESS)
+    return part_fail(PART_ERR_MPI, "a maximum over ranks failed");
+  /* nu of S.10 is alpha h c/(2 (d + 2)) */
+  const double nu = p->viscosity / p->density +
+                    p->artificial_viscosity * h * c / (2.0 * ((double)p->dimensions + 2.0));
+  *speed = sqrt(most[0]);
+  *step = p->courant * h / (c / sqrt(sph->least_eps) + *speed);
+  if (nu > 0.0)
+    *step = fmin(*step, p->viscous_fraction * h * h / nu);
+  if (most[1] > 0.0)
+    *step = fmin(*step, p->force_fraction * sqrt(h / sqrt(most[1])));
+  return PART_OK;
+}

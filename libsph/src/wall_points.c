@@ -1,0 +1,245 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Ghost points behind walls (Markauskas et al. 2017, sec. 5.1), made anew for every particle near one
+ * whenever sums are taken: doc/equations.md, S.16. */
+#include "internal.h"
+
+/* Lattice about the foot of the particle on its nearest wall. */
+typedef struct lattice {
+  double n[3], t[2][3]; /* unit normal and directions in the wall; the last is 0 in the plane */
+  double distance;      /* m, from the wall; negative behind it */
+  int face, across[2];  /* nodes either way along t */
+} lattice;
+
+/* What is the same for all points of a particle. */
+typedef struct seer {
+  const double *x;
+  const int *near;
+  int count;
+} seer;
+
+/* Nearer than this to the wall the factor of the mirrored velocity does not grow any more: it would
+ * be infinite at the wall. Particles begin at half a spacing. */
+static const double nearest_mirror = 0.25;
+
+static void make_frame(const sph_t *sph, lattice *l) {
+  const double *n = l->n;
+  if (sph->params.dimensions == 2) {
+    l->t[0][0] = -n[1];
+    l->t[0][1] = n[0];
+    l->t[0][2] = 0.0;
+    memset(l->t[1], 0, sizeof l->t[1]);
+    return;
+  }
+  /* Along the axis that is most across, so that planes along axes have lattices along axes. */
+  int least = 0;
+  for (int c = 1; c < 3; c++)
+    if (fabs(n[c]) < fabs(n[least]))
+      least = c;
+  double length = 0.0;
+  for (int c = 0; c < 3; c++) {
+    l->t[0][c] = (c == least) - n[least] * n[c];
+    length += l->t[0][c] * l->t[0][c];
+  }
+  for (int c = 0; c < 3; c++)
+    l->t[0][c] /= sqrt(length);
+  for (int c = 0; c < 3; c++)
+    l->t[1][c] = n[(c + 1) % 3] * l->t[0][(c + 2) % 3] - n[(c + 2) % 3] * l->t[0][(c + 1) % 3];
+}
+
+/* 0: no wall within the support. */
+static int find_lattice(const sph_t *sph, const seer *s, lattice *l) {
+  l->face = sph_faces_nearest(&sph->walls, s->count, s->near, s->x, &l->distance);
+  if (l->distance >= sph->reach)
+    return 0;
+  memcpy(l->n, sph->walls.face[l->face].n, sizeof l->n);
+  make_frame(sph, l);
+  l->across[0] = (int)ceil(sph->reach / sph->params.spacing);
+  l->across[1] = sph->params.dimensions == 2 ? 0 : l->across[0];
+  return 1;
+}
+
+/* Share of a lattice cell that is solid, and the wall it belongs to: all behind one plane, none
+ * before it; partly where another surface cuts through, so that nothing jumps when the particle moves
+ * along its own wall. */
+static double solid_share(const sph_t *sph, const seer *s, const lattice *l, double depth,
+                          const double r[3], int *face, double *behind) {
+  double distance;
+  *face = l->face;
+  *behind = depth;
+  if (s->count == 1 && l->face < sph->walls.planes)
+    return depth > 0.0 ? 1.0 : 0.0;
+  const double y[3] = {s->x[0] + r[0], s->x[1] + r[1], s->x[2] + r[2]};
+  *face = sph_faces_nearest(&sph->walls, s->count, s->near, y, &distance);
+  *behind = fmax(-distance, 0.0);
+  return fmin(fmax(0.5 - distance / sph->params.spacing, 0.0), 1.0);
+}
+
+static double mirror_of(const sph_t *sph, const seer *s, const lattice *l, int face, double behind) {
+  double distance = l->distance, tilt;
+  if (face != l->face)
+    distance = sph_face_distance(&sph->walls.face[face], s->x, &tilt);
+  return 1.0 + behind / fmax(distance, nearest_mirror * sph->params.spacing);
+}
+
+/* Ghost points within the support; returns how many. */
+static int make_points(const sph_t *sph, const seer *s, sph_point *point) {
+  const double dx = sph->params.spacing, reach2 = sph->reach * sph->reach;
+  lattice l;
+  int n = 0;
+  if (!find_lattice(sph, s, &l))
+    return 0;
+  /* Layers at depths (k + 1/2) dx below the wall, from the top of the support to its bottom. */
+  const int first = s->count == 1 && l.face < sph->walls.planes
+                        ? 0
+                        : (int)floor((-sph->reach - l.distance) / dx - 0.5);
+  for (int k = first; (k + 0.5) * dx + l.distance < sph->reach; k++)
+    for (int a = -l.across[0]; a <= l.across[0]; a++)
+      for (int b = -l.across[1]; b <= l.across[1]; b++) {
+        const double depth = (k + 0.5) * dx, down = -(depth + l.distance);
+        double r[3], behind;
+        int face;
+        for (int c = 0; c < 3; c++)
+          r[c] = down * l.n[c] + dx * (a * l.t[0][c] + b * l.t[1][c]);
+        if (r[0] * r[0] + r[1] * r[1] + r[2] * r[2] >= reach2)
+          continue;
+        const double share = solid_share(sph, s, &l, depth, r, &face, &behind);
+        if (!(share > 0.0))
+          continue;
+        point[n] = (sph_point){.volume = share * sph->cell, .face = face};
+        memcpy(point[n].r, r, sizeof r);
+        point[n++].mirror = mirror_of(sph, s, &l, face, behind);
+      }
+  return n;
+}
+
+/* Points of a row; ERR_OUTSIDE when the particle is behind a wall by more than a spacing. */
+static int see_points(const sph_t *sph, int row, int *n) {
+  const sph_walls *walls = &sph->walls;
+  const int i = walls->particle[row], first = walls->start[row];
+  const seer s = {sph_xv(sph) + SPH_XV * (size_t)i, walls->near + first,
+                  walls->start[row + 1] - first};
+  double distance;
+  const int face = sph_faces_nearest(walls, s.count, s.near, s.x, &distance);
+  if (distance < -sph->params.spacing)
+    return part_fail(PART_ERR_OUTSIDE,
+                     "particle %lld at (%g %g %g) m, time %g s, is %g m behind wall %s",
+                     (long long)sph_id(sph, i), s.x[0], s.x[1], s.x[2], sph->time, -distance,
+                     walls->wall[walls->face[face].wall].name);
+  *n = make_points(sph, &s, walls->point);
+  return PART_OK;
+}
+
+/* Velocity of a particle less that of the ghost: normal part along n, the rest across. */
+static double split(const sph_t *sph, int i, const sph_face *face, double across[3]) {
+  const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
+  const double *wall = sph->walls.wall[face->wall].params.velocity;
+  double normal = 0.0;
+  for (int c = 0; c < 3; c++)
+    normal += (v[c] - wall[c]) * face->n[c];
+  for (int c = 0; c < 3; c++)
+    across[c] = v[c] - wall[c] - normal * face->n[c];
+  return normal;
+}
+
+/* Eq. 26: u_ak = mirror (u_n) n, in S.4; and V W for S.6. Ghosts have the pressure that makes S.5
+ * vanish. */
+static void add_density(sph_t *sph, int i, int n) {
+  const double h = sph->params.smoothing_length, slope_norm = sph->norm / (h * h);
+  double *sum = sph->sum + SPH_SUMS * (size_t)i, across[3];
+  for (int k = 0; k < n; k++) {
+    const sph_point *p = &sph->walls.point[k];
+    const sph_face *face = &sph->walls.face[p->face];
+    const double r = sqrt(p->r[0] * p->r[0] + p->r[1] * p->r[1] + p->r[2] * p->r[2]);
+    const double down = p->r[0] * face->n[0] + p->r[1] * face->n[1] + p->r[2] * face->n[2];
+    const double f = p->volume * slope_norm * sph_slope(sph->params.kernel, r / h);
+    sum[0] -= f * down * p->mirror * split(sph, i, face, across);
+    if (sph->plan.summation)
+      sph->shade[i] += p->volume * sph->norm * sph_shape(sph->params.kernel, r / h);
+  }
+}
+
+int sph_walls_density(sph_t *sph) {
+  int status = PART_OK;
+  part_timers_start(sph->timers, sph->stage[SPH_STAGE_WALLS]);
+  if (sph->plan.summation)
+    memset(sph->shade, 0, (size_t)sph->store->local * sizeof *sph->shade);
+  for (int row = 0; status == PART_OK && row < sph->walls.rows; row++) {
+    int n = 0;
+    status = see_points(sph, row, &n);
+    add_density(sph, sph->walls.particle[row], n);
+  }
+  part_timers_stop(sph->timers, sph->stage[SPH_STAGE_WALLS]);
+  return status;
+}
+
+/* Viscous part along d = -r and along u: S.8 to S.10 with the velocity of eq. 25. */
+static void viscous(const sph_t *sph, const double d[3], const double u[3], double d2, double *along_d,
+                    double *along_u) {
+  const sph_params *p = &sph->params;
+  const double h = p->smoothing_length, soft = d2 + 0.01 * h * h;
+  const double w = d[0] * u[0] + d[1] * u[1] + d[2] * u[2];
+  *along_u = 0.0;
+  *along_d = p->density * p->artificial_viscosity * p->sound_speed * h * fmin(w, 0.0) / soft;
+  if (p->viscosity_model == SPH_MORRIS) {
+    *along_u = 2.0 * p->viscosity * d2 / soft;
+  } else if (p->viscosity > 0.0) {
+    const double per_r = 1.0 / sqrt(d2);
+    *along_d += p->density * sph->monaghan * (p->sound_speed + fabs(w) * per_r) * w * per_r;
+  }
+}
+
+/* Eq. 25: u_ak = u_n n + mirror u_t, without u_t where the fluid slips. Pressure goes on behind the
+ * wall as that of a fluid at rest. Returns the force over own volume in `force`. */
+static void force_of(const sph_t *sph, int i, const sph_point *p, double force[3]) {
+  const double *x = sph_xv(sph) + SPH_XV * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
+  const double h = sph->params.smoothing_length, slope_norm = sph->norm / (h * h);
+  const sph_face *face = &sph->walls.face[p->face];
+  const double d[3] = {-p->r[0], -p->r[1], -p->r[2]};
+  const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+  const double f = p->volume * slope_norm * sph_slope(sph->params.kernel, sqrt(d2) / h);
+  const double relative = m[1] / (m[2] * sph->params.density);
+  const int slips = sph->walls.wall[face->wall].params.slip == SPH_FREE_SLIP;
+  double u[3], along_d, along_u, pressure = 2.0 * x[7];
+  const double normal = split(sph, i, face, u);
+  for (int c = 0; c < 3; c++) {
+    u[c] = normal * face->n[c] + (slips ? 0.0 : p->mirror * u[c]);
+    pressure += relative * sph->hydrostatic[c] * p->r[c];
+  }
+  viscous(sph, d, u, d2, &along_d, &along_u);
+  for (int c = 0; c < 3; c++)
+    force[c] = f * ((m[2] * along_d - pressure) * d[c] + m[2] * along_u * u[c]);
+}
+
+static void add_force(sph_t *sph, int i, int n) {
+  const double volume = sph_xv(sph)[SPH_XV * (size_t)i + 3];
+  double *sum = sph->sum + SPH_SUMS * (size_t)i;
+  for (int k = 0; k < n; k++) {
+    const sph_point *p = &sph->walls.point[k];
+    double force[3], *wall = sph->walls.wall[sph->walls.face[p->face].wall].force;
+    force_of(sph, i, p, force);
+    for (int c = 0; c < 3; c++) {
+      sum[c] += force[c];
+      sph->wall_force[c] += volume * force[c];
+      wall[c] -= volume * force[c];
+    }
+  }
+}
+
+int sph_walls_force(sph_t *sph) {
+  int status = PART_OK;
+  part_timers_start(sph->timers, sph->stage[SPH_STAGE_WALLS]);
+  for (int w = 0; w < sph->walls.count; w++)
+    memset(sph->walls.wall[w].force, 0, sizeof sph->walls.wall[w].force);
+  for (int row = 0; status == PART_OK && row < sph->walls.rows; row++) {
+    int n = 0;
+    status = see_points(sph, row, &n);
+    add_force(sph, sph->walls.particle[row], n);
+  }
+  part_timers_stop(sph->timers, sph->stage[SPH_STAGE_WALLS]);
+  return status;
+}
+
+void sph_walls_add_impulse(sph_t *sph, double h) {
+  for (int w = 0; w < sph->walls.count; w++)
+    sph_sum_add(&sph->walls.wall[w].impulse, sph->walls.wall[w].force, h);
+}

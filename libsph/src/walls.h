@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Walls: their faces (planes, triangles), the list of faces near each particle, and the ghost points
+ * behind them that a particle sees (S.16). */
+#ifndef SPH_WALLS_H
+#define SPH_WALLS_H
+
+#include <stddef.h>
+
+#include "sph/sph.h"
+#include "sum.h"
+
+typedef struct sph_face {
+  int wall, type;          /* SPH_PLANE, SPH_TRIANGLES */
+  double a[3], b[3], c[3]; /* m, corners of a triangle; a: point of a plane */
+  double n[3];             /* unit normal to the fluid */
+} sph_face;
+
+typedef struct sph_wall {
+  char name[PART_PARAM_WORD_LENGTH];
+  sph_wall_params params;
+  double force[3]; /* N, of own particles on it, now */
+  sph_sum impulse; /* N s */
+} sph_wall;
+
+/* Bins of triangles: those within reach of some point of the bin. */
+typedef struct sph_bins {
+  double lo[3], edge;
+  int cells[3];
+  int *start, *item; /* [cells+1], faces */
+} sph_bins;
+
+/* A point behind a wall as a particle sees it. */
+typedef struct sph_point {
+  double r[3];   /* m, from the particle */
+  double volume; /* m3 */
+  double mirror; /* 1 + d_k/d_a, Markauskas et al. 2017, eq. 25-26 */
+  int face;
+} sph_point;
+
+typedef struct sph_walls {
+  int count, faces, planes; /* the planes come first */
+  sph_wall *wall;
+  sph_face *face;
+  sph_bins bins;
+  /* Rows: only particles that have a near face. */
+  int rows;
+  int *particle, *start, *near;
+  size_t row_room, start_room, near_room, point_room;
+  sph_point *point; /* those of one particle */
+} sph_walls;
+
+struct sph_t;
+
+/* ---- wall_faces.c: geometry -------------------------------------------------------------------- */
+/* Signed distance of a face from x: negative behind. *tilt: how squarely x is seen from the nearest
+ * point, for ties between faces that meet there. */
+double sph_face_distance(const sph_face *face, const double x[3], double *tilt);
+/* Face of a list that x is deepest behind or nearest to, and the signed distance of the solid from x:
+ * the least of that of the planes and that of the surface of triangles. */
+int sph_faces_nearest(const sph_walls *walls, int n, const int *near, const double x[3],
+                      double *distance);
+int sph_walls_bins(sph_walls *walls, double reach);
+void sph_walls_free(sph_walls *walls);
+
+/* ---- wall_list.c: near faces of every own particle ----------------------------------------------- */
+int sph_walls_list(struct sph_t *sph);
+
+/* ---- wall_points.c: what walls add to the sums of the pair loops ---------------------------------- */
+int sph_walls_density(struct sph_t *sph);
+int sph_walls_force(struct sph_t *sph);
+void sph_walls_add_impulse(struct sph_t *sph, double h);
+
+#endif
