@@ -31,7 +31,10 @@ DEM_LANES void dem_spring_turn(const dem_touch *touch, vec keep, const vec way[3
 
 /* A spring k and a dashpot c that act against v, together at most limit: f = -k xi - c v. The
  * dashpot goes with the mean velocity over the step, v + f dt/(2 m), so that k and c are both
- * divided by 1 + c dt/(2 m). When it slips, the spring is cut back so that this force is the limit.
+ * divided by 1 + c dt/(2 m). When it slips, the spring is cut back by a factor,
+ * such that along f it and the dashpot make the limit; to zero when the dashpot alone exceeds it,
+ * and not at all when it is the dashpot against the spring. So a cut only takes energy. (Setting
+ * the spring to what makes the limit, whatever its sign, loads it backwards when two bodies meet.)
  */
 DEM_LANES void dem_spring_force(const dem_touch *touch, vec stiffness, vec damping, double mass,
                                 double dt, vec limit, const vec v[3], vec spring[3], vec f[3]) {
@@ -43,11 +46,13 @@ DEM_LANES void dem_spring_force(const dem_touch *touch, vec stiffness, vec dampi
   const vec f2 = f[0] * f[0] + f[1] * f[1] + f[2] * f[2];
   const vec_mask slips = vec_both(touch->touches, vec_less(limit * limit, f2));
   if (vec_bits(slips)) {
-    const vec cut = limit / vec_sqrt(f2), per_k = vec_all(-1.0) / k;
+    const vec size = vec_sqrt(f2), cut = limit / size, zero = vec_all(0.0);
+    const vec dashed = c * (v[0] * f[0] + v[1] * f[1] + v[2] * f[2]), sprung = f2 + dashed;
+    const vec_mask shorter = vec_both(slips, vec_less(zero, sprung));
+    const vec back = vec_max(limit * size + dashed, zero) / vec_choose(shorter, sprung, f2);
     for (int a = 0; a < 3; a++) {
-      const vec less = cut * f[a];
-      spring[a] = vec_choose(slips, per_k * (less + c * v[a]), spring[a]);
-      f[a] = vec_choose(slips, less, f[a]);
+      spring[a] = vec_choose(shorter, back * spring[a], spring[a]);
+      f[a] = vec_choose(slips, cut * f[a], f[a]);
     }
   }
 }

@@ -121,10 +121,13 @@ DEM_LANES dem_edge dem_edge_of(const dem_touch *touch, vec way) {
   return edge;
 }
 
-/* Weights with which the two steps at s and s + 1 give together the integral of a constant over
- * s + 3/2 steps: 3/2 s and 2 - s/2 (for their s). */
-DEM_LANES vec dem_edge_weight(const dem_edge *edge) {
-  return vec_choose(edge->first, vec_all(1.5) * edge->s, vec_all(2.0) - vec_all(0.5) * edge->s);
+/* Weights of the steps at s and s + 1 (0 < s < 1) that add up to T(s), what both have to give for
+ * the part of a force that goes with some power of the overlap: s T(0) and, with its own s,
+ * T(s - 1) - (s - 1) T(0). They vanish where the contact does and are continuous. total: T(s - 1);
+ * start: T(0). Of a constant, T(s) = s + 3/2. */
+DEM_LANES vec dem_edge_weights(const dem_edge *edge, vec total, double start) {
+  return vec_choose(edge->first, edge->s * vec_all(start),
+                    total - (edge->s - vec_all(1.0)) * vec_all(start));
 }
 
 #endif

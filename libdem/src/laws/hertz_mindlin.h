@@ -59,26 +59,48 @@ static inline double dem_law_hertz_mindlin_time(const dem_coefs *coefs, double i
   return normal < tangential ? normal : tangential;
 }
 
-/* T(s) = -zeta(-1/4, s + 2) with x = s + 3/2, by Euler and Maclaurin: 4/5 x^(5/4) is the integral
- * of x^(1/4) up to x, the rest what the sum over the steps after it lacks. To 1e-5 for x >= 3/2. */
-DEM_LANES vec dem_law_hertz_total(vec x) {
-  const vec inverse = vec_all(1.0) / x;
-  return vec_sqrt(vec_sqrt(x)) *
-         (vec_all(0.8) * x + inverse * (vec_all(0.00039876 /* 7/5760 21/64 */) * inverse * inverse -
-                                        vec_all(1.0 / 96.0)));
+/* With x = s + 3/2 and its fourth root q: T(s) = -zeta(-1/4, s + 2) and -zeta(-1/2, s + 2) by Euler
+ * and Maclaurin: the integral of x^(1/4), x^(1/2) up to x, and what the sum over the steps after it
+ * lacks. To 1e-5 for x >= 3/2. */
+DEM_LANES vec dem_hertz_fourth_root(vec x, vec q) {
+  const vec i = vec_all(1.0) / x;
+  return q * (vec_all(0.8) * x + i * (vec_all(7.0 / 5760 * 21 / 64) * i * i - vec_all(1.0 / 96)));
+}
+DEM_LANES vec dem_hertz_square_root(vec x, vec q) {
+  const vec i = vec_all(1.0) / x;
+  return q * q *
+         (vec_all(2.0 / 3.0) * x + i * (vec_all(7.0 / 5760 * 3 / 8) * i * i - vec_all(1.0 / 48)));
 }
 
-/* As in linear_spring_dashpot, with weights for x^(1/4) in place of a constant: with the steps from
- * s + 2 on, which count in full, those at s and s + 1 have to give the damping of the whole way.
- * This is T(s) for the two, with weights s T(0) and T(s - 1) - (s - 1) T(0), which is s^(1/4) again
- * at s = 2. The spring vanishes with delta^(3/2) and needs nothing. */
+/* The ends of a contact, as in linear_spring_dashpot, for the powers of the overlap that the parts
+ * of the force go with: damping 1/4, the spring in tangential direction at the end 1/2. The normal
+ * spring vanishes with 3/2 and needs nothing. */
+DEM_LANES void dem_hertz_edge(const dem_touch *touch, vec h, vec way, vec v_n, vec spring,
+                              vec damping, vec lag, vec push, dem_response *r) {
+  const dem_edge edge = dem_edge_of(touch, way);
+  const vec s = vec_choose(edge.at, edge.s, vec_all(1.0)), one = vec_all(1.0);
+  const vec x = s + vec_all(0.5), q = vec_sqrt(vec_sqrt(x)), root = vec_sqrt(s);
+  const vec w = dem_edge_weights(&edge, x, 1.5);
+  const vec fourth =
+      dem_edge_weights(&edge, dem_hertz_fourth_root(x, q), 1.32045126422858) / vec_sqrt(root);
+  const vec square = dem_edge_weights(&edge, dem_hertz_square_root(x, q), 1.20788622497735) / root;
+  const vec_mask ends = vec_both(edge.at, vec_less(vec_all(0.0), v_n));
+  const vec_mask begins = vec_both(edge.first, vec_less(v_n, vec_all(0.0)));
+  r->since = vec_choose(vec_both(edge.at, begins), s * h, h);
+  r->force =
+      vec_choose(edge.at, (spring - fourth * damping + w * push) / (one + fourth * lag), r->force);
+  r->share = vec_choose(edge.at, w, one);
+  r->c_t = vec_choose(edge.at, fourth * r->c_t, r->c_t);
+  r->k_t = vec_choose(ends, square * r->k_t, r->k_t);
+}
+
 DEM_LANES dem_response dem_law_hertz_mindlin(const dem_lane_coefs *coefs, const dem_touch *touch,
                                              vec v_n, vec push, double dt) {
-  const vec h = vec_all(dt), one = vec_all(1.0), half = vec_all(0.5), zero = vec_all(0.0);
+  const vec h = vec_all(dt), one = vec_all(1.0), half = vec_all(0.5);
   const vec contact = vec_sqrt(touch->radius * touch->overlap), root = vec_sqrt(contact);
-  const vec c_n = coefs->c_n * touch->root_mass * root, speed_up = h * touch->inverse_root;
-  const vec lag = half * coefs->c_n * root * speed_up;
-  const vec before = vec_max(touch->overlap + h * v_n, zero); /* overlap, a step ago */
+  const vec damping = coefs->c_n * touch->root_mass * root * v_n;
+  const vec speed_up = h * touch->inverse_root, lag = half * coefs->c_n * root * speed_up;
+  const vec before = vec_max(touch->overlap + h * v_n, vec_all(0.0)); /* overlap, a step ago */
   const vec shallow = one / touch->overlap;
   const vec_mask deeper = vec_less(before, touch->overlap);
   const vec spring = coefs->k_n * contact * touch->overlap;
@@ -86,20 +108,11 @@ DEM_LANES dem_response dem_law_hertz_mindlin(const dem_lane_coefs *coefs, const 
   r.keep = vec_choose(deeper, vec_sqrt(before * shallow), one);
   r.stretch = vec_choose(deeper, vec_sqrt(half * (before + touch->overlap) * shallow), one);
   r.c_t = coefs->c_t * touch->root_mass * root;
-  r.force = (spring - c_n * v_n + push) / (one + lag);
+  r.force = (spring - damping + push) / (one + lag);
   const vec after = v_n + speed_up * touch->inverse_root * r.force;
   const vec way = h * vec_max(-v_n, after);
-  if (!vec_bits(vec_both(touch->touches, vec_less(touch->overlap, way + way))))
-    return r;
-  const dem_edge edge = dem_edge_of(touch, way);
-  const vec s = edge.s, w = dem_edge_weight(&edge), start = vec_all(1.32045126422858);
-  const vec u = vec_choose(edge.at, s, one), fourth = vec_sqrt(vec_sqrt(u));
-  const vec wd =
-      vec_choose(edge.first, s * start, dem_law_hertz_total(u + half) - (u - one) * start) / fourth;
-  const vec part = (spring - wd * c_n * v_n + w * push) / (one + wd * lag);
-  r.since = vec_choose(vec_both(edge.at, vec_both(edge.first, vec_less(v_n, zero))), s * h, h);
-  r.force = vec_choose(edge.at, part, r.force);
-  r.share = vec_choose(edge.at, w, one);
+  if (vec_bits(vec_both(touch->touches, vec_less(touch->overlap, way + way))))
+    dem_hertz_edge(touch, h, way, v_n, spring, damping, lag, push, &r);
   return r;
 }
 

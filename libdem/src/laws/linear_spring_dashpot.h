@@ -78,7 +78,11 @@ static inline double dem_law_linear_spring_dashpot_time(const dem_coefs *coefs, 
  *   damping, attraction  w(s) = 3/2 s for s < 1, 2 - s/2 for 1 < s < 2
  *   overlap              s + s^2/4 - s/8,  s + (2 - s)(3/8 - s/4)
  * which are continuous and vanish at s = 0, so that nothing depends on which side of an event a
- * step falls. Restitution then does not depend on where in a step two bodies meet, but for dt^2. */
+ * step falls. Restitution then does not depend on where in a step two bodies meet, but for dt^2.
+ *
+ * The tangential spring begins with the overlap (weight of the overlap). At the end it is what it
+ * is (weight of a constant) but for the way v_t s dt until then, which goes with the overlap. What
+ * these differ by from the spring as it is now is in proportion to v_t: `lead`, part of c_t. */
 DEM_LANES dem_response dem_law_linear_spring_dashpot(const dem_lane_coefs *coefs,
                                                      const dem_touch *touch, vec v_n, vec push,
                                                      double dt) {
@@ -98,7 +102,8 @@ DEM_LANES dem_response dem_law_linear_spring_dashpot(const dem_lane_coefs *coefs
   if (!vec_bits(vec_both(touch->touches, vec_less(touch->overlap, way + way))))
     return r;
   const dem_edge edge = dem_edge_of(touch, way);
-  const vec s = edge.s, two = vec_all(2.0) - s, w = dem_edge_weight(&edge);
+  const vec s = edge.s, two = vec_all(2.0) - s;
+  const vec w = dem_edge_weights(&edge, s + vec_all(0.5), 1.5);
   const vec more = vec_choose(edge.first, s * (vec_all(0.25) * s - vec_all(0.125)),
                               two * (vec_all(0.375) - vec_all(0.25) * s));
   const vec part = (coefs->k_n * way * (s + more) + w * (-c_n * v_n + push)) / (one + w * lag);
@@ -106,6 +111,10 @@ DEM_LANES dem_response dem_law_linear_spring_dashpot(const dem_lane_coefs *coefs
       vec_choose(vec_both(edge.at, vec_both(edge.first, vec_less(v_n, vec_all(0.0)))), s * h, h);
   r.force = vec_choose(edge.at, part, r.force);
   r.share = vec_choose(edge.at, w, one);
+  const vec_mask ends = vec_both(edge.at, vec_less(vec_all(0.0), v_n));
+  const vec lead = h * r.k_t * vec_choose(ends, w * s - s - more, more);
+  r.c_t = vec_choose(edge.at, w * r.c_t + lead, r.c_t);
+  r.k_t = vec_choose(ends, w * r.k_t, r.k_t);
   return r;
 }
 
