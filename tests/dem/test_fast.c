@@ -1,7 +1,7 @@
 /* ranks: 1 3 */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The vector path against the plain loop: bed and gas, equal and unequal spheres, two materials,
- * with and without friction. */
+ * every contact law, with and without friction, rolling resistance and cohesion. */
 #define _GNU_SOURCE /* feenableexcept */
 #include <fenv.h>
 
@@ -14,10 +14,11 @@ enum { N = 400 };
 typedef struct variant {
   int bed, materials, width, friction, fluid;
   double ratio; /* of diameters */
+  int law, rolling, cohesion;
 } variant;
 
 static dem_t *create(const variant *v) {
-  scene s = scene_default();
+  scene s = scene_with_law(v->law);
   const double d = 0.01, volume = N * PI / 6.0 * d * d * d, length = cbrt(volume / 0.3);
   const double floor_at[3] = {0.0, 0.0, 0.0}, up[3] = {0.0, 0.0, 1.0};
   for (int c = 0; c < 3; c++) {
@@ -26,12 +27,20 @@ static dem_t *create(const variant *v) {
     s.box.periodic[c] = c < 2 || !v->bed;
   }
   s.params.gravity[2] = v->bed ? -9.81 : 0.0;
-  s.contact.normal_stiffness = 2e3;
+  if (v->law == HERTZ)
+    s.young = 1e7, s.params.impact_speed = 1.0;
+  else
+    s.contact.normal_stiffness = 2e3;
   s.contact.restitution = 0.8;
   s.contact.friction = v->friction ? 0.4 : 0.0;
+  s.contact.rolling_friction = v->rolling ? 0.1 : 0.0;
+  s.contact.work_of_adhesion = v->cohesion ? 0.05 : 0.0;
   dem_t *dem = scene_create(&s);
   if (v->materials == 2) {
-    const dem_material other = {.name = "steel", .density = 7800.0};
+    const dem_material other = {.name = "steel",
+                                .density = 7800.0,
+                                .youngs_modulus = s.young,
+                                .poisson_ratio = v->law == HERTZ ? 0.25 : (double)NAN};
     int number;
     OK(dem_add_material(dem, &other, &number));
     s.contact.friction *= 0.5;
@@ -73,8 +82,10 @@ static int64_t run(const variant *v, int advances, double steps, body *bodies) {
 }
 
 static const variant variants[] = {
-    {1, 1, 0, 1, 0, 1.0}, {1, 2, 0, 1, 0, 1.0}, {1, 1, 0, 0, 0, 1.0}, {1, 1, 0, 1, 1, 1.0},
-    {1, 1, 0, 1, 0, 2.0}, {0, 1, 0, 1, 0, 1.0}, {0, 2, 0, 1, 0, 2.0},
+    {1, 1, 0, 1, 0, 1.0, LINEAR, 0, 0}, {1, 2, 0, 1, 0, 1.0, LINEAR, 0, 0},
+    {1, 1, 0, 0, 0, 1.0, LINEAR, 0, 0}, {1, 1, 0, 1, 1, 1.0, LINEAR, 0, 0},
+    {1, 1, 0, 1, 0, 2.0, LINEAR, 0, 0}, {0, 1, 0, 1, 0, 1.0, LINEAR, 0, 0},
+    {0, 2, 0, 1, 0, 2.0, LINEAR, 0, 0},
 };
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
 
@@ -91,26 +102,39 @@ static double worst(const body *a, const body *b, size_t offset, int periodic) {
   return most;
 }
 
-static void compare(int advances, double steps, double growth) {
+static void compare_one(variant v, int advances, double steps, double growth) {
   static body plain[N], fast[N];
-  for (int k = 0; k < VARIANTS; k++) {
-    variant v = variants[k];
-    v.width = 1;
-    const int64_t contacts = run(&v, advances, steps, plain);
-    assert_true(contacts > 10);
-    for (v.width = 8; v.width >= 4; v.width -= 4) {
-      assert_int_equal(run(&v, advances, steps, fast), contacts);
-      double force = 0.0;
-      for (int i = 0; i < N; i++)
-        for (int c = 0; c < 3; c++)
-          force = fmax(force, fabs(plain[i].force[c]));
-      CLOSE(worst(fast, plain, 0, 1), 0.0, 1e-16 * growth);         /* x: 0.1 m */
-      CLOSE(worst(fast, plain, 3, 0), 0.0, 1e-15 * growth);         /* v: 1 m/s */
-      CLOSE(worst(fast, plain, 6, 0), 0.0, 1e-13 * growth);         /* omega: 100 rad/s */
-      CLOSE(worst(fast, plain, 9, 0) / force, 0.0, 1e-12 * growth); /* overlap: 1e-4 m of x */
-      CLOSE(worst(fast, plain, 12, 0), 0.0, 1e-19 * growth);
-    }
+  v.width = 1;
+  const int64_t contacts = run(&v, advances, steps, plain);
+  assert_true(contacts > 10);
+  for (v.width = 8; v.width >= 4; v.width -= 4) {
+    assert_int_equal(run(&v, advances, steps, fast), contacts);
+    double force = 0.0;
+    for (int i = 0; i < N; i++)
+      for (int c = 0; c < 3; c++)
+        force = fmax(force, fabs(plain[i].force[c]));
+    CLOSE(worst(fast, plain, 0, 1), 0.0, 1e-16 * growth);         /* x: 0.1 m */
+    CLOSE(worst(fast, plain, 3, 0), 0.0, 1e-15 * growth);         /* v: 1 m/s */
+    CLOSE(worst(fast, plain, 6, 0), 0.0, 1e-13 * growth);         /* omega: 100 rad/s */
+    CLOSE(worst(fast, plain, 9, 0) / force, 0.0, 1e-12 * growth); /* overlap: 1e-4 m of x */
+    CLOSE(worst(fast, plain, 12, 0), 0.0, 1e-19 * growth);
   }
+}
+
+static void compare(int advances, double steps, double growth) {
+  for (int k = 0; k < VARIANTS; k++)
+    compare_one(variants[k], advances, steps, growth);
+}
+
+/* All combinations of the parts of a contact, in every law; unequal spheres of two materials. */
+static void laws_and_parts(void **state) {
+  (void)state;
+  for (int law = 0; law < LAWS; law++)
+    for (int k = 0; k < 6; k++) {
+      const variant v = {k % 2, 2, 0, k % 3 > 0, 0, 1.5, law, k % 3 > 1, k / 3};
+      compare_one(v, 1, 1.0, 10.0);
+      compare_one(v, 4, 50.0, 1e5);
+    }
 }
 
 /* One substep: rounding only. */
@@ -156,6 +180,7 @@ int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(first_step),
       cmocka_unit_test(many_steps),
+      cmocka_unit_test(laws_and_parts),
       cmocka_unit_test(exceptions_are_held),
   };
   MPI_Init(&argc, &argv);
