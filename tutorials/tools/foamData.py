@@ -32,9 +32,12 @@ def column(path, shape):
 
 
 def times(case):
-    """Names of the time directories but 0, in order of time."""
+    """Names of the times written, but 0, in order: of the time directories, or of the particles where there are none (demFoam on
+    several ranks has its fields, which are nobody's, in processor*)."""
     names = [n for n in os.listdir(case) if re.fullmatch(r'[0-9.]+(e-?[0-9]+)?', n) and float(n) > 0]
-    return sorted(names, key=float)
+    if not names and os.path.isdir(os.path.join(case, 'particles')):
+        names = [n[:-7] for n in os.listdir(os.path.join(case, 'particles')) if re.fullmatch(r'[0-9.]+(e-?[0-9]+)?\.vtkhdf', n)]
+    return sorted((n for n in names if float(n) > 0), key=float)
 
 
 def function_object(case, name):
