@@ -21,7 +21,7 @@ static dem_t *prepare(const shot *t, const double x[3], const double y[3]) {
   if (t->ratio > 0.0)
     s.contact.tangential_ratio = t->ratio;
   s.params.time_step_fraction = 0.2; /* so that an advance is one step of the test's choice */
-  s.params.impact_speed = t->law == LINEAR ? 0.0 : t->v[0];
+  s.params.impact_speed = isnan(s.contact.normal_stiffness) ? t->v[0] : 0.0;
   dem_t *dem = scene_create(&s);
   add_sphere(dem, DEM_FREE, -1, x, t->r[0], t->v);
   if (t->r[1] > 0.0)

@@ -13,7 +13,7 @@ typedef struct head_on {
 
 /* Duration of a head-on contact without damping, closed forms. */
 static double duration(const head_on *c, const scene *s, double inverse_mass, double v) {
-  if (c->law == LINEAR)
+  if (!isnan(s->contact.normal_stiffness))
     return PI / sqrt(s->contact.normal_stiffness * inverse_mass);
   const double curvature = 1.0 / c->r[0] + (c->r[1] > 0.0 ? 1.0 / c->r[1] : 0.0);
   const double young = 0.5 * s->young / (1.0 - s->poisson * s->poisson);

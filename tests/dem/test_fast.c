@@ -27,7 +27,7 @@ static dem_t *create(const variant *v) {
     s.box.periodic[c] = c < 2 || !v->bed;
   }
   s.params.gravity[2] = v->bed ? -9.81 : 0.0;
-  if (v->law == HERTZ)
+  if (isnan(s.contact.normal_stiffness))
     s.young = 1e7, s.params.impact_speed = 1.0;
   else
     s.contact.normal_stiffness = 2e3;
@@ -40,7 +40,7 @@ static dem_t *create(const variant *v) {
     const dem_material other = {.name = "steel",
                                 .density = 7800.0,
                                 .youngs_modulus = s.young,
-                                .poisson_ratio = v->law == HERTZ ? 0.25 : (double)NAN};
+                                .poisson_ratio = s.young > 0.0 ? 0.25 : (double)NAN};
     int number;
     OK(dem_add_material(dem, &other, &number));
     s.contact.friction *= 0.5;

@@ -219,7 +219,7 @@ static const experiment experiments[] = {
 
 static void published_conditions(void **state) {
   (void)state;
-  for (int law = 0; law < LAWS; law++)
+  for (int law = LINEAR; law <= HERTZ; law++)
     for (int k = 0; k < 5; k++)
       for (double degrees = 5.0; degrees < 81.0; degrees += 5.0) {
         const experiment *x = &experiments[k % 4];
