@@ -163,4 +163,5 @@ void sph_walls_free(sph_walls *walls) {
   free(walls->start);
   free(walls->near);
   free(walls->point);
+  free(walls->within);
 }

@@ -58,6 +58,7 @@ int sph_walls_list(sph_t *sph) {
   PART_TRY(sph_grow(most_points(sph), sizeof *walls->point, &walls->point_room, &walls->point));
   for (int i = 0; i < sph->store->local; i++)
     PART_TRY(add_row(sph, i, &used));
+  PART_TRY(sph_grow((size_t)used + 1, sizeof *walls->within, &walls->within_room, &walls->within));
   walls->start[walls->rows] = used;
   return PART_OK;
 }

@@ -6,20 +6,61 @@
 /* Lattice about the foot of the particle on its nearest wall. */
 typedef struct lattice {
   double n[3], t[2][3]; /* unit normal and directions in the wall; the last is 0 in the plane */
-  double distance;      /* m, from the wall; negative behind it */
-  int face, across[2];  /* nodes either way along t */
+  int across[2];        /* nodes either way along t */
 } lattice;
+
+/* A flat side of the walls around a particle: the nearest of those faces that look the same way. */
+typedef struct side {
+  const double *n;
+  double distance; /* m, of its plane */
+  int face;
+} side;
+enum { SIDES = 6 };
 
 /* What is the same for all points of a particle. */
 typedef struct seer {
   const double *x;
-  const int *near;
-  int count;
+  int *near, count; /* faces within the support */
+  int planes;       /* they are all planes */
+  int nearest;      /* of the faces */
+  double distance;  /* m, of the solid */
+  int sides;
+  side side[SIDES];
 } seer;
+
+/* Faces within some 15 degrees of each other are one side. */
+static const double same_side = 0.966;
 
 /* Nearer than this to the wall the factor of the mirrored velocity does not grow any more: it would
  * be infinite at the wall. Particles begin at half a spacing. */
 static const double nearest_mirror = 0.25;
+
+static double dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* Sides in front of which the particle is: of a block's edge that it looks at from one side, only that
+ * side counts. */
+static void find_sides(const sph_t *sph, seer *s) {
+  double from[SIDES];
+  s->sides = 0;
+  for (int k = 0; k < s->count; k++) {
+    const sph_face *face = &sph->walls.face[s->near[k]];
+    const double d[3] = {s->x[0] - face->a[0], s->x[1] - face->a[1], s->x[2] - face->a[2]};
+    double tilt;
+    const double height = dot(d, face->n), away = fabs(sph_face_distance(face, s->x, &tilt));
+    int at = 0;
+    if (height < 0.0 && face->type == SPH_TRIANGLES)
+      continue;
+    while (at < s->sides && dot(s->side[at].n, face->n) < same_side)
+      at++;
+    if (at == SIDES || (at < s->sides && from[at] <= away))
+      continue;
+    s->sides += at == s->sides;
+    s->side[at] = (side){face->n, height, s->near[k]};
+    from[at] = away;
+  }
+}
 
 static void make_frame(const sph_t *sph, lattice *l) {
   const double *n = l->n;
@@ -46,85 +87,151 @@ static void make_frame(const sph_t *sph, lattice *l) {
     l->t[1][c] = n[(c + 1) % 3] * l->t[0][(c + 2) % 3] - n[(c + 2) % 3] * l->t[0][(c + 1) % 3];
 }
 
-/* 0: no wall within the support. */
-static int find_lattice(const sph_t *sph, const seer *s, lattice *l) {
-  l->face = sph_faces_nearest(&sph->walls, s->count, s->near, s->x, &l->distance);
-  if (l->distance >= sph->reach)
-    return 0;
-  memcpy(l->n, sph->walls.face[l->face].n, sizeof l->n);
+static void make_lattice(const sph_t *sph, const seer *s, lattice *l) {
+  memcpy(l->n, sph->walls.face[s->nearest].n, sizeof l->n);
   make_frame(sph, l);
   l->across[0] = (int)ceil(sph->reach / sph->params.spacing);
   l->across[1] = sph->params.dimensions == 2 ? 0 : l->across[0];
-  return 1;
 }
 
-/* Share of a lattice cell that is solid, and the wall it belongs to: all behind one plane, none
- * before it; partly where another surface cuts through, so that nothing jumps when the particle moves
- * along its own wall. */
-static double solid_share(const sph_t *sph, const seer *s, const lattice *l, double depth,
-                          const double r[3], int *face, double *behind) {
-  double distance;
-  *face = l->face;
-  *behind = depth;
-  if (s->count == 1 && l->face < sph->walls.planes)
-    return depth > 0.0 ? 1.0 : 0.0;
-  const double y[3] = {s->x[0] + r[0], s->x[1] + r[1], s->x[2] + r[2]};
-  *face = sph_faces_nearest(&sph->walls, s->count, s->near, y, &distance);
+/* Share of a lattice cell that is solid, and the wall it belongs to: partly where another surface cuts
+ * through, so that nothing jumps when the particle moves along its own wall. */
+static double solid_share(const sph_t *sph, const seer *s, const double r[3], int *face,
+                          double *behind) {
+  double distance = HUGE_VAL;
+  if (s->planes) {
+    for (int k = 0; k < s->sides; k++) {
+      const double one = s->side[k].distance + dot(s->side[k].n, r);
+      if (one < distance) {
+        distance = one;
+        *face = s->side[k].face;
+      }
+    }
+  } else {
+    const double y[3] = {s->x[0] + r[0], s->x[1] + r[1], s->x[2] + r[2]};
+    *face = sph_faces_nearest(&sph->walls, s->count, s->near, y, &distance);
+  }
   *behind = fmax(-distance, 0.0);
   return fmin(fmax(0.5 - distance / sph->params.spacing, 0.0), 1.0);
 }
 
-static double mirror_of(const sph_t *sph, const seer *s, const lattice *l, int face, double behind) {
-  double distance = l->distance, tilt;
-  if (face != l->face)
-    distance = sph_face_distance(&sph->walls.face[face], s->x, &tilt);
+static double mirror_of(const sph_t *sph, double behind, double distance) {
   return 1.0 + behind / fmax(distance, nearest_mirror * sph->params.spacing);
 }
 
-/* Ghost points within the support; returns how many. */
+/* Eq. 26 for a point behind one side or, in a corner, several: each mirrors its own normal part of the
+ * velocity. A side counts with what of its normal the sides before it do not have, so that two that
+ * look nearly the same way are not counted twice. Were only one counted in a corner, density would not
+ * follow the work that the pressure of the corner's points does. */
+static void mirror_sides(const sph_t *sph, const seer *s, const double r[3], double q[3]) {
+  double before[SIDES][3];
+  int n = 0;
+  q[0] = q[1] = q[2] = 0.0;
+  for (int k = 0; k < s->sides; k++) {
+    const side *one = &s->side[k];
+    const double behind = -(one->distance + dot(one->n, r));
+    double m[3] = {one->n[0], one->n[1], one->n[2]};
+    if (behind <= 0.0)
+      continue;
+    for (int b = 0; b < n; b++) {
+      const double size2 = dot(before[b], before[b]);
+      const double part = size2 > 0.0 ? dot(one->n, before[b]) / size2 : 0.0;
+      for (int c = 0; c < 3; c++)
+        m[c] -= part * before[b][c];
+    }
+    const double weight = mirror_of(sph, behind, one->distance) * dot(m, r);
+    for (int c = 0; c < 3; c++) {
+      q[c] += weight * m[c];
+      before[n][c] = m[c];
+    }
+    n++;
+  }
+}
+
+/* A point of a corner, an edge or a curved wall; 0: it is in the fluid. */
+static int general_point(const sph_t *sph, const seer *s, const double r[3], sph_point *p) {
+  double behind, tilt, distance = s->distance;
+  const double share = solid_share(sph, s, r, &p->face, &behind);
+  if (!(share > 0.0))
+    return 0;
+  if (p->face != s->nearest)
+    distance = sph_face_distance(&sph->walls.face[p->face], s->x, &tilt);
+  p->volume = share * sph->cell;
+  p->mirror = mirror_of(sph, behind, distance);
+  mirror_sides(sph, s, r, p->q);
+  return 1;
+}
+
+/* A point behind the only wall. */
+static void plane_point(const sph_t *sph, const seer *s, const lattice *l, double depth,
+                        sph_point *p) {
+  p->face = s->nearest;
+  p->volume = sph->cell;
+  p->mirror = mirror_of(sph, depth, s->distance);
+  for (int c = 0; c < 3; c++)
+    p->q[c] = -p->mirror * (depth + s->distance) * l->n[c];
+}
+
+/* Ghost points within the support; returns how many. Layers at depths (k + 1/2) dx below the wall, from
+ * the top of the support where another wall may be met, to its bottom. */
 static int make_points(const sph_t *sph, const seer *s, sph_point *point) {
   const double dx = sph->params.spacing, reach2 = sph->reach * sph->reach;
+  const int alone = s->count == 1 && s->planes;
+  const int first = alone ? 0 : (int)floor((-sph->reach - s->distance) / dx - 0.5);
   lattice l;
   int n = 0;
-  if (!find_lattice(sph, s, &l))
-    return 0;
-  /* Layers at depths (k + 1/2) dx below the wall, from the top of the support to its bottom. */
-  const int first = s->count == 1 && l.face < sph->walls.planes
-                        ? 0
-                        : (int)floor((-sph->reach - l.distance) / dx - 0.5);
-  for (int k = first; (k + 0.5) * dx + l.distance < sph->reach; k++)
+  make_lattice(sph, s, &l);
+  for (int k = first; (k + 0.5) * dx + s->distance < sph->reach; k++)
     for (int a = -l.across[0]; a <= l.across[0]; a++)
       for (int b = -l.across[1]; b <= l.across[1]; b++) {
-        const double depth = (k + 0.5) * dx, down = -(depth + l.distance);
-        double r[3], behind;
-        int face;
+        const double depth = (k + 0.5) * dx, down = depth + s->distance;
+        const double left = reach2 - down * down - dx * dx * (a * a + b * b);
+        sph_point *p = &point[n];
+        if (!(left > 0.0))
+          continue;
         for (int c = 0; c < 3; c++)
-          r[c] = down * l.n[c] + dx * (a * l.t[0][c] + b * l.t[1][c]);
-        if (r[0] * r[0] + r[1] * r[1] + r[2] * r[2] >= reach2)
+          p->r[c] = -down * l.n[c] + dx * (a * l.t[0][c] + b * l.t[1][c]);
+        if (alone)
+          plane_point(sph, s, &l, depth, p);
+        else if (!general_point(sph, s, p->r, p))
           continue;
-        const double share = solid_share(sph, s, &l, depth, r, &face, &behind);
-        if (!(share > 0.0))
-          continue;
-        point[n] = (sph_point){.volume = share * sph->cell, .face = face};
-        memcpy(point[n].r, r, sizeof r);
-        point[n++].mirror = mirror_of(sph, s, &l, face, behind);
+        n++;
       }
   return n;
+}
+
+/* Faces of a row that are within the support now. */
+static void find_within(const sph_t *sph, int row, seer *s) {
+  const sph_walls *walls = &sph->walls;
+  s->count = 0;
+  s->planes = 1;
+  for (int k = walls->start[row]; k < walls->start[row + 1]; k++) {
+    double tilt;
+    const sph_face *face = &walls->face[walls->near[k]];
+    const double distance = sph_face_distance(face, s->x, &tilt);
+    if (distance >= sph->reach || (face->type == SPH_TRIANGLES && distance <= -sph->reach))
+      continue;
+    s->near[s->count++] = walls->near[k];
+    s->planes &= face->type == SPH_PLANE;
+  }
 }
 
 /* Points of a row; ERR_OUTSIDE when the particle is behind a wall by more than a spacing. */
 static int see_points(const sph_t *sph, int row, int *n) {
   const sph_walls *walls = &sph->walls;
-  const int i = walls->particle[row], first = walls->start[row];
-  const seer s = {sph_xv(sph) + SPH_XV * (size_t)i, walls->near + first,
-                  walls->start[row + 1] - first};
-  double distance;
-  const int face = sph_faces_nearest(walls, s.count, s.near, s.x, &distance);
-  if (distance < -sph->params.spacing)
+  const int i = walls->particle[row];
+  seer s = {.x = sph_xv(sph) + SPH_XV * (size_t)i, .near = walls->within};
+  *n = 0;
+  find_within(sph, row, &s);
+  if (s.count == 0)
+    return PART_OK;
+  s.nearest = sph_faces_nearest(walls, s.count, s.near, s.x, &s.distance);
+  if (s.distance < -sph->params.spacing)
     return part_fail(PART_ERR_OUTSIDE,
                      "particle %lld at (%g %g %g) m, time %g s, is %g m behind wall %s",
-                     (long long)sph_id(sph, i), s.x[0], s.x[1], s.x[2], sph->time, -distance,
-                     walls->wall[walls->face[face].wall].name);
+                     (long long)sph_id(sph, i), s.x[0], s.x[1], s.x[2], sph->time, -s.distance,
+                     walls->wall[walls->face[s.nearest].wall].name);
+  find_sides(sph, &s);
   *n = make_points(sph, &s, walls->point);
   return PART_OK;
 }
@@ -141,18 +248,16 @@ static double split(const sph_t *sph, int i, const sph_face *face, double across
   return normal;
 }
 
-/* Eq. 26: u_ak = mirror (u_n) n, in S.4; and V W for S.6. Ghosts have the pressure that makes S.5
- * vanish. */
+/* Eq. 26 in S.4, for walls whose surface moves in itself; and V W for S.6. Ghosts have the pressure that
+ * makes S.5 vanish. */
 static void add_density(sph_t *sph, int i, int n) {
   const double h = sph->params.smoothing_length, slope_norm = sph->norm / (h * h);
-  double *sum = sph->sum + SPH_SUMS * (size_t)i, across[3];
+  const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
+  double *sum = sph->sum + SPH_SUMS * (size_t)i;
   for (int k = 0; k < n; k++) {
     const sph_point *p = &sph->walls.point[k];
-    const sph_face *face = &sph->walls.face[p->face];
-    const double r = sqrt(p->r[0] * p->r[0] + p->r[1] * p->r[1] + p->r[2] * p->r[2]);
-    const double down = p->r[0] * face->n[0] + p->r[1] * face->n[1] + p->r[2] * face->n[2];
-    const double f = p->volume * slope_norm * sph_slope(sph->params.kernel, r / h);
-    sum[0] -= f * down * p->mirror * split(sph, i, face, across);
+    const double r = sqrt(dot(p->r, p->r));
+    sum[0] -= p->volume * slope_norm * sph_slope(sph->params.kernel, r / h) * dot(p->q, v);
     if (sph->plan.summation)
       sph->shade[i] += p->volume * sph->norm * sph_shape(sph->params.kernel, r / h);
   }

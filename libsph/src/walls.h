@@ -33,8 +33,9 @@ typedef struct sph_bins {
 typedef struct sph_point {
   double r[3];   /* m, from the particle */
   double volume; /* m3 */
-  double mirror; /* 1 + d_k/d_a, Markauskas et al. 2017, eq. 25-26 */
-  int face;
+  double mirror; /* 1 + d_k/d_a of the deepest wall, Markauskas et al. 2017, eq. 25 */
+  double q[3];   /* m, so that u_ak.r = q.u_a with the velocity of eq. 26 */
+  int face;      /* of the deepest wall */
 } sph_point;
 
 typedef struct sph_walls {
@@ -47,6 +48,8 @@ typedef struct sph_walls {
   int *particle, *start, *near;
   size_t row_room, start_room, near_room, point_room;
   sph_point *point; /* those of one particle */
+  int *within;      /* [room of near] faces within the support of one particle */
+  size_t within_room;
 } sph_walls;
 
 struct sph_t;
