@@ -85,5 +85,10 @@ int sph_plan_text(const sph_t *sph, size_t size, char *text) {
   else
     PART_TRY(add_line(size, text, "walls for far particles", "no wall within the support and skin",
                       "ghost points of these particles"));
+  if (plan->walls && sph->walls.planes > 0 &&
+      (sph->params.viscosity_model == SPH_MORRIS || !(sph->params.viscosity > 0.0)))
+    PART_TRY(add_line(size, text, "ghost points behind a plane alone",
+                      "their sums depend on the distance alone: a table",
+                      "nine tenths of the walls' time"));
   return PART_OK;
 }

@@ -45,6 +45,7 @@ int sph_start(sph_t *sph) {
   sph_make_plan(sph);
   PART_TRY(sph_choose_loops(sph));
   PART_TRY(part_agree(sph->comm, sph_walls_bins(&sph->walls, sph->reach + sph->skin)));
+  PART_TRY(part_agree(sph->comm, sph_walls_table(sph)));
   PART_TRY(sph_plan_fields(sph));
   if (!sph->restored)
     sph_set_states(sph);

@@ -164,4 +164,5 @@ void sph_walls_free(sph_walls *walls) {
   free(walls->near);
   free(walls->point);
   free(walls->within);
+  free(walls->table);
 }

@@ -9,25 +9,6 @@ typedef struct lattice {
   int across[2];        /* nodes either way along t */
 } lattice;
 
-/* A flat side of the walls around a particle: the nearest of those faces that look the same way. */
-typedef struct side {
-  const double *n;
-  double distance; /* m, of its plane */
-  int face;
-} side;
-enum { SIDES = 6 };
-
-/* What is the same for all points of a particle. */
-typedef struct seer {
-  const double *x;
-  int *near, count; /* faces within the support */
-  int planes;       /* they are all planes */
-  int nearest;      /* of the faces */
-  double distance;  /* m, of the solid */
-  int sides;
-  side side[SIDES];
-} seer;
-
 /* Faces within some 15 degrees of each other are one side. */
 static const double same_side = 0.966;
 
@@ -41,8 +22,8 @@ static double dot(const double a[3], const double b[3]) {
 
 /* Sides in front of which the particle is: of a block's edge that it looks at from one side, only that
  * side counts. */
-static void find_sides(const sph_t *sph, seer *s) {
-  double from[SIDES];
+static void find_sides(const sph_t *sph, sph_seer *s) {
+  double from[SPH_SIDES];
   s->sides = 0;
   for (int k = 0; k < s->count; k++) {
     const sph_face *face = &sph->walls.face[s->near[k]];
@@ -54,10 +35,10 @@ static void find_sides(const sph_t *sph, seer *s) {
       continue;
     while (at < s->sides && dot(s->side[at].n, face->n) < same_side)
       at++;
-    if (at == SIDES || (at < s->sides && from[at] <= away))
+    if (at == SPH_SIDES || (at < s->sides && from[at] <= away))
       continue;
     s->sides += at == s->sides;
-    s->side[at] = (side){face->n, height, s->near[k]};
+    s->side[at] = (sph_side){face->n, height, s->near[k]};
     from[at] = away;
   }
 }
@@ -87,7 +68,7 @@ static void make_frame(const sph_t *sph, lattice *l) {
     l->t[1][c] = n[(c + 1) % 3] * l->t[0][(c + 2) % 3] - n[(c + 2) % 3] * l->t[0][(c + 1) % 3];
 }
 
-static void make_lattice(const sph_t *sph, const seer *s, lattice *l) {
+static void make_lattice(const sph_t *sph, const sph_seer *s, lattice *l) {
   memcpy(l->n, sph->walls.face[s->nearest].n, sizeof l->n);
   make_frame(sph, l);
   l->across[0] = (int)ceil(sph->reach / sph->params.spacing);
@@ -96,7 +77,7 @@ static void make_lattice(const sph_t *sph, const seer *s, lattice *l) {
 
 /* Share of a lattice cell that is solid, and the wall it belongs to: partly where another surface cuts
  * through, so that nothing jumps when the particle moves along its own wall. */
-static double solid_share(const sph_t *sph, const seer *s, const double r[3], int *face,
+static double solid_share(const sph_t *sph, const sph_seer *s, const double r[3], int *face,
                           double *behind) {
   double distance = HUGE_VAL;
   if (s->planes) {
@@ -115,7 +96,7 @@ static double solid_share(const sph_t *sph, const seer *s, const double r[3], in
   return fmin(fmax(0.5 - distance / sph->params.spacing, 0.0), 1.0);
 }
 
-static double mirror_of(const sph_t *sph, double behind, double distance) {
+double sph_walls_mirror(const sph_t *sph, double behind, double distance) {
   return 1.0 + behind / fmax(distance, nearest_mirror * sph->params.spacing);
 }
 
@@ -123,12 +104,12 @@ static double mirror_of(const sph_t *sph, double behind, double distance) {
  * velocity. A side counts with what of its normal the sides before it do not have, so that two that
  * look nearly the same way are not counted twice. Were only one counted in a corner, density would not
  * follow the work that the pressure of the corner's points does. */
-static void mirror_sides(const sph_t *sph, const seer *s, const double r[3], double q[3]) {
-  double before[SIDES][3];
+static void mirror_sides(const sph_t *sph, const sph_seer *s, const double r[3], double q[3]) {
+  double before[SPH_SIDES][3];
   int n = 0;
   q[0] = q[1] = q[2] = 0.0;
   for (int k = 0; k < s->sides; k++) {
-    const side *one = &s->side[k];
+    const sph_side *one = &s->side[k];
     const double behind = -(one->distance + dot(one->n, r));
     double m[3] = {one->n[0], one->n[1], one->n[2]};
     if (behind <= 0.0)
@@ -139,7 +120,7 @@ static void mirror_sides(const sph_t *sph, const seer *s, const double r[3], dou
       for (int c = 0; c < 3; c++)
         m[c] -= part * before[b][c];
     }
-    const double weight = mirror_of(sph, behind, one->distance) * dot(m, r);
+    const double weight = sph_walls_mirror(sph, behind, one->distance) * dot(m, r);
     for (int c = 0; c < 3; c++) {
       q[c] += weight * m[c];
       before[n][c] = m[c];
@@ -149,7 +130,7 @@ static void mirror_sides(const sph_t *sph, const seer *s, const double r[3], dou
 }
 
 /* A point of a corner, an edge or a curved wall; 0: it is in the fluid. */
-static int general_point(const sph_t *sph, const seer *s, const double r[3], sph_point *p) {
+static int general_point(const sph_t *sph, const sph_seer *s, const double r[3], sph_point *p) {
   double behind, tilt, distance = s->distance;
   const double share = solid_share(sph, s, r, &p->face, &behind);
   if (!(share > 0.0))
@@ -157,27 +138,26 @@ static int general_point(const sph_t *sph, const seer *s, const double r[3], sph
   if (p->face != s->nearest)
     distance = sph_face_distance(&sph->walls.face[p->face], s->x, &tilt);
   p->volume = share * sph->cell;
-  p->mirror = mirror_of(sph, behind, distance);
+  p->mirror = sph_walls_mirror(sph, behind, distance);
   mirror_sides(sph, s, r, p->q);
   return 1;
 }
 
 /* A point behind the only wall. */
-static void plane_point(const sph_t *sph, const seer *s, const lattice *l, double depth,
+static void plane_point(const sph_t *sph, const sph_seer *s, const lattice *l, double depth,
                         sph_point *p) {
   p->face = s->nearest;
   p->volume = sph->cell;
-  p->mirror = mirror_of(sph, depth, s->distance);
+  p->mirror = sph_walls_mirror(sph, depth, s->distance);
   for (int c = 0; c < 3; c++)
     p->q[c] = -p->mirror * (depth + s->distance) * l->n[c];
 }
 
 /* Ghost points within the support; returns how many. Layers at depths (k + 1/2) dx below the wall, from
  * the top of the support where another wall may be met, to its bottom. */
-static int make_points(const sph_t *sph, const seer *s, sph_point *point) {
+static int make_points(const sph_t *sph, const sph_seer *s, sph_point *point) {
   const double dx = sph->params.spacing, reach2 = sph->reach * sph->reach;
-  const int alone = s->count == 1 && s->planes;
-  const int first = alone ? 0 : (int)floor((-sph->reach - s->distance) / dx - 0.5);
+  const int first = s->alone ? 0 : (int)floor((-sph->reach - s->distance) / dx - 0.5);
   lattice l;
   int n = 0;
   make_lattice(sph, s, &l);
@@ -191,7 +171,7 @@ static int make_points(const sph_t *sph, const seer *s, sph_point *point) {
           continue;
         for (int c = 0; c < 3; c++)
           p->r[c] = -down * l.n[c] + dx * (a * l.t[0][c] + b * l.t[1][c]);
-        if (alone)
+        if (s->alone)
           plane_point(sph, s, &l, depth, p);
         else if (!general_point(sph, s, p->r, p))
           continue;
@@ -201,7 +181,7 @@ static int make_points(const sph_t *sph, const seer *s, sph_point *point) {
 }
 
 /* Faces of a row that are within the support now. */
-static void find_within(const sph_t *sph, int row, seer *s) {
+static void find_within(const sph_t *sph, int row, sph_seer *s) {
   const sph_walls *walls = &sph->walls;
   s->count = 0;
   s->planes = 1;
@@ -216,135 +196,24 @@ static void find_within(const sph_t *sph, int row, seer *s) {
   }
 }
 
-/* Points of a row; ERR_OUTSIDE when the particle is behind a wall by more than a spacing. */
-static int see_points(const sph_t *sph, int row, int *n) {
+int sph_walls_see(sph_t *sph, int row, sph_seer *s) {
   const sph_walls *walls = &sph->walls;
   const int i = walls->particle[row];
-  seer s = {.x = sph_xv(sph) + SPH_XV * (size_t)i, .near = walls->within};
-  *n = 0;
-  find_within(sph, row, &s);
-  if (s.count == 0)
+  *s = (sph_seer){.x = sph_xv(sph) + SPH_XV * (size_t)i, .near = walls->within};
+  find_within(sph, row, s);
+  if (s->count == 0)
     return PART_OK;
-  s.nearest = sph_faces_nearest(walls, s.count, s.near, s.x, &s.distance);
-  if (s.distance < -sph->params.spacing)
+  s->alone = s->count == 1 && s->planes;
+  s->nearest = sph_faces_nearest(walls, s->count, s->near, s->x, &s->distance);
+  if (s->distance < -sph->params.spacing)
     return part_fail(PART_ERR_OUTSIDE,
                      "particle %lld at (%g %g %g) m, time %g s, is %g m behind wall %s",
-                     (long long)sph_id(sph, i), s.x[0], s.x[1], s.x[2], sph->time, -s.distance,
-                     walls->wall[walls->face[s.nearest].wall].name);
-  find_sides(sph, &s);
-  *n = make_points(sph, &s, walls->point);
+                     (long long)sph_id(sph, i), s->x[0], s->x[1], s->x[2], sph->time, -s->distance,
+                     walls->wall[walls->face[s->nearest].wall].name);
   return PART_OK;
 }
 
-/* Velocity of a particle less that of the ghost: normal part along n, the rest across. */
-static double split(const sph_t *sph, int i, const sph_face *face, double across[3]) {
-  const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
-  const double *wall = sph->walls.wall[face->wall].params.velocity;
-  double normal = 0.0;
-  for (int c = 0; c < 3; c++)
-    normal += (v[c] - wall[c]) * face->n[c];
-  for (int c = 0; c < 3; c++)
-    across[c] = v[c] - wall[c] - normal * face->n[c];
-  return normal;
-}
-
-/* Eq. 26 in S.4, for walls whose surface moves in itself; and V W for S.6. Ghosts have the pressure that
- * makes S.5 vanish. */
-static void add_density(sph_t *sph, int i, int n) {
-  const double h = sph->params.smoothing_length, slope_norm = sph->norm / (h * h);
-  const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
-  double *sum = sph->sum + SPH_SUMS * (size_t)i;
-  for (int k = 0; k < n; k++) {
-    const sph_point *p = &sph->walls.point[k];
-    const double r = sqrt(dot(p->r, p->r));
-    sum[0] -= p->volume * slope_norm * sph_slope(sph->params.kernel, r / h) * dot(p->q, v);
-    if (sph->plan.summation)
-      sph->shade[i] += p->volume * sph->norm * sph_shape(sph->params.kernel, r / h);
-  }
-}
-
-int sph_walls_density(sph_t *sph) {
-  int status = PART_OK;
-  part_timers_start(sph->timers, sph->stage[SPH_STAGE_WALLS]);
-  if (sph->plan.summation)
-    memset(sph->shade, 0, (size_t)sph->store->local * sizeof *sph->shade);
-  for (int row = 0; status == PART_OK && row < sph->walls.rows; row++) {
-    int n = 0;
-    status = see_points(sph, row, &n);
-    add_density(sph, sph->walls.particle[row], n);
-  }
-  part_timers_stop(sph->timers, sph->stage[SPH_STAGE_WALLS]);
-  return status;
-}
-
-/* Viscous part along d = -r and along u: S.8 to S.10 with the velocity of eq. 25. */
-static void viscous(const sph_t *sph, const double d[3], const double u[3], double d2, double *along_d,
-                    double *along_u) {
-  const sph_params *p = &sph->params;
-  const double h = p->smoothing_length, soft = d2 + 0.01 * h * h;
-  const double w = d[0] * u[0] + d[1] * u[1] + d[2] * u[2];
-  *along_u = 0.0;
-  *along_d = p->density * p->artificial_viscosity * p->sound_speed * h * fmin(w, 0.0) / soft;
-  if (p->viscosity_model == SPH_MORRIS) {
-    *along_u = 2.0 * p->viscosity * d2 / soft;
-  } else if (p->viscosity > 0.0) {
-    const double per_r = 1.0 / sqrt(d2);
-    *along_d += p->density * sph->monaghan * (p->sound_speed + fabs(w) * per_r) * w * per_r;
-  }
-}
-
-/* Eq. 25: u_ak = u_n n + mirror u_t, without u_t where the fluid slips. Pressure goes on behind the
- * wall as that of a fluid at rest. Returns the force over own volume in `force`. */
-static void force_of(const sph_t *sph, int i, const sph_point *p, double force[3]) {
-  const double *x = sph_xv(sph) + SPH_XV * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
-  const double h = sph->params.smoothing_length, slope_norm = sph->norm / (h * h);
-  const sph_face *face = &sph->walls.face[p->face];
-  const double d[3] = {-p->r[0], -p->r[1], -p->r[2]};
-  const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
-  const double f = p->volume * slope_norm * sph_slope(sph->params.kernel, sqrt(d2) / h);
-  const double relative = m[1] / (m[2] * sph->params.density);
-  const int slips = sph->walls.wall[face->wall].params.slip == SPH_FREE_SLIP;
-  double u[3], along_d, along_u, pressure = 2.0 * x[7];
-  const double normal = split(sph, i, face, u);
-  for (int c = 0; c < 3; c++) {
-    u[c] = normal * face->n[c] + (slips ? 0.0 : p->mirror * u[c]);
-    pressure += relative * sph->hydrostatic[c] * p->r[c];
-  }
-  viscous(sph, d, u, d2, &along_d, &along_u);
-  for (int c = 0; c < 3; c++)
-    force[c] = f * ((m[2] * along_d - pressure) * d[c] + m[2] * along_u * u[c]);
-}
-
-static void add_force(sph_t *sph, int i, int n) {
-  const double volume = sph_xv(sph)[SPH_XV * (size_t)i + 3];
-  double *sum = sph->sum + SPH_SUMS * (size_t)i;
-  for (int k = 0; k < n; k++) {
-    const sph_point *p = &sph->walls.point[k];
-    double force[3], *wall = sph->walls.wall[sph->walls.face[p->face].wall].force;
-    force_of(sph, i, p, force);
-    for (int c = 0; c < 3; c++) {
-      sum[c] += force[c];
-      sph->wall_force[c] += volume * force[c];
-      wall[c] -= volume * force[c];
-    }
-  }
-}
-
-int sph_walls_force(sph_t *sph) {
-  int status = PART_OK;
-  part_timers_start(sph->timers, sph->stage[SPH_STAGE_WALLS]);
-  for (int w = 0; w < sph->walls.count; w++)
-    memset(sph->walls.wall[w].force, 0, sizeof sph->walls.wall[w].force);
-  for (int row = 0; status == PART_OK && row < sph->walls.rows; row++) {
-    int n = 0;
-    status = see_points(sph, row, &n);
-    add_force(sph, sph->walls.particle[row], n);
-  }
-  part_timers_stop(sph->timers, sph->stage[SPH_STAGE_WALLS]);
-  return status;
-}
-
-void sph_walls_add_impulse(sph_t *sph, double h) {
-  for (int w = 0; w < sph->walls.count; w++)
-    sph_sum_add(&sph->walls.wall[w].impulse, sph->walls.wall[w].force, h);
+int sph_walls_points(sph_t *sph, sph_seer *s) {
+  find_sides(sph, s);
+  return make_points(sph, s, sph->walls.point);
 }

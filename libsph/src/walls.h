@@ -38,6 +38,20 @@ typedef struct sph_point {
   int face;      /* of the deepest wall */
 } sph_point;
 
+/* Sums over the points behind a plane, f = V slope, down = distance of the point's layer from the
+ * particle, depth = from the plane, t along one direction of the plane: wall_tables.c. */
+enum sph_table {
+  SPH_TABLE_GRADIENT,       /* f down */
+  SPH_TABLE_GRADIENT_DEPTH, /* f down depth */
+  SPH_TABLE_NORMAL,         /* f down^2 */
+  SPH_TABLE_ACROSS,         /* f t^2 */
+  SPH_TABLE_VISCOUS,        /* f r^2/(r^2 + 0.01 h^2) */
+  SPH_TABLE_VISCOUS_DEPTH,  /* the same times depth */
+  SPH_TABLE_APPROACH,       /* f down^2/(r^2 + 0.01 h^2) */
+  SPH_TABLE_SHADE,          /* V W */
+  SPH_TABLE_COUNT
+};
+
 typedef struct sph_walls {
   int count, faces, planes; /* the planes come first */
   sph_wall *wall;
@@ -50,7 +64,28 @@ typedef struct sph_walls {
   sph_point *point; /* those of one particle */
   int *within;      /* [room of near] faces within the support of one particle */
   size_t within_room;
+  double *table;    /* [][SPH_TABLE_COUNT] */
 } sph_walls;
+
+/* A flat side of the walls around a particle: the nearest of those faces that look the same way. */
+typedef struct sph_side {
+  const double *n;
+  double distance; /* m, of its plane */
+  int face;
+} sph_side;
+enum { SPH_SIDES = 6 };
+
+/* What a particle sees of the walls. */
+typedef struct sph_seer {
+  const double *x;
+  int *near, count; /* faces within the support */
+  int planes;       /* they are all planes */
+  int alone;        /* there is one face, a plane */
+  int nearest;      /* of the faces */
+  double distance;  /* m, of the solid */
+  int sides;
+  sph_side side[SPH_SIDES];
+} sph_seer;
 
 struct sph_t;
 
@@ -68,7 +103,20 @@ void sph_walls_free(sph_walls *walls);
 /* ---- wall_list.c: near faces of every own particle ----------------------------------------------- */
 int sph_walls_list(struct sph_t *sph);
 
-/* ---- wall_points.c: what walls add to the sums of the pair loops ---------------------------------- */
+/* ---- wall_tables.c -------------------------------------------------------------------------------- */
+int sph_walls_table(struct sph_t *sph);
+void sph_walls_look_up(const struct sph_t *sph, double distance, double sum[SPH_TABLE_COUNT]);
+
+/* ---- wall_points.c ------------------------------------------------------------------------------- */
+/* ERR_OUTSIDE when the particle of a row is behind a wall by more than a spacing. count 0: no wall is
+ * within the support now. */
+int sph_walls_see(struct sph_t *sph, int row, sph_seer *s);
+/* Ghost points into sph->walls.point; how many. */
+int sph_walls_points(struct sph_t *sph, sph_seer *s);
+/* 1 + behind/distance of eq. 25-26. */
+double sph_walls_mirror(const struct sph_t *sph, double behind, double distance);
+
+/* ---- wall_sums.c: what walls add to the sums of the pair loops -------------------------------------- */
 int sph_walls_density(struct sph_t *sph);
 int sph_walls_force(struct sph_t *sph);
 void sph_walls_add_impulse(struct sph_t *sph, double h);

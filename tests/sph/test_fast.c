@@ -59,13 +59,14 @@ static void run(const variant *v, MPI_Comm comm, body *bodies, sph_report *repor
   sph_destroy(sph);
 }
 
-/* Velocities of 0.2 m/s and accelerations of some 100 m/s2; rounding grows in moving water. */
-static void same(const body *a, const body *b) {
+/* Velocities of 0.2 m/s and accelerations of some 100 m/s2; rounding grows in moving water. more: how much more
+ * than rounding is allowed. */
+static void same(const body *a, const body *b, double more) {
   for (int k = 0; k < N; k++)
     for (int c = 0; c < 3; c++) {
-      CLOSE(a[k].v[c], b[k].v[c], 1e-11);
-      CLOSE(a[k].a[c], b[k].a[c], 1e-8);
-      CLOSE(a[k].density, b[k].density, 1e-8);
+      CLOSE(a[k].v[c], b[k].v[c], 1e-11 * more);
+      CLOSE(a[k].a[c], b[k].a[c], 1e-8 * more);
+      CLOSE(a[k].density, b[k].density, 1e-8 * more);
       CLOSE(b[k].count, 1.0, 0.0);
     }
 }
@@ -88,11 +89,12 @@ static void widths(void **state) {
     run(&v, MPI_COMM_WORLD, a, &report);
     for (v.width = 4; v.width <= 8; v.width += 4) {
       run(&v, MPI_COMM_WORLD, b, &report);
-      same(a, b);
+      same(a, b, 1.0);
     }
   }
 }
 
+/* Walls by table or by points: the table is interpolated to 1e-7 of the walls' part, which is 1e4 times rounding. */
 static void skip_off(void **state) {
   (void)state;
   static body a[N], b[N];
@@ -103,7 +105,7 @@ static void skip_off(void **state) {
     run(&v, MPI_COMM_WORLD, a, &report);
     v.skip = 0;
     run(&v, MPI_COMM_WORLD, b, &report);
-    same(a, b);
+    same(a, b, 1e4);
   }
 }
 
@@ -121,7 +123,7 @@ static void ranks(void **state) {
     v.width = 0;
     run(&v, MPI_COMM_WORLD, a, &here);
     run(&v, MPI_COMM_SELF, b, &there);
-    same(a, b);
+    same(a, b, 1.0);
     assert_int_equal(here.steps, there.steps);
     assert_int_equal(here.particles, there.particles);
     CLOSE(here.kinetic_energy, there.kinetic_energy, 1e-11 * there.kinetic_energy);

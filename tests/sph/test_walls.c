@@ -60,7 +60,8 @@ static void run(int closed, int flat, body *first, body *bodies) {
   sph_destroy(sph);
 }
 
-/* Away from the corners the first accelerations are the same (they are of the order of g). In corners they differ a
+/* Away from the corners the first accelerations are the same (they are of the order of g) but for the interpolation
+ * of the table that planes use. In corners they differ a
  * little: a corner's points belong to the deepest of planes, but to the nearest of triangles. */
 static void triangles_are_planes(void **state) {
   (void)state;
@@ -74,7 +75,7 @@ static void triangles_are_planes(void **state) {
       const double *x = from[0][k].x;
       if (fmin(fmin(x[0], 0.08 - x[0]), fmin(x[1], 0.08 - x[1])) > 0.03)
         for (int n = 1; n < 3; n++)
-          CLOSE(from[n][k].a[m], from[0][k].a[m], 1e-9);
+          CLOSE(from[n][k].a[m], from[0][k].a[m], 1e-6);
       worst = fmax(worst, fmax(fabs(b[k].x[m] - a[k].x[m]), fabs(c[k].x[m] - a[k].x[m])));
     }
   print_message("box of triangles: positions differ by %.2g spacings\n", worst / 0.01);

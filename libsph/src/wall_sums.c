@@ -1,0 +1,179 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the ghost points behind walls add to the sums of the pair loops: point by point, or from the table
+ * where there is one plane alone. */
+#include "internal.h"
+
+static double dot(const double a[3], const double b[3]) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* The table holds what is linear in the velocity: all but Monaghan's viscosity. */
+static int by_table(const sph_t *sph, const sph_seer *s) {
+  const int linear = sph->params.viscosity_model == SPH_MORRIS || !(sph->params.viscosity > 0.0);
+  return s->alone && linear && sph->params.skip;
+}
+
+/* Velocity of a particle less that of the ghost: normal part along n, the rest across. */
+static double split(const sph_t *sph, int i, const sph_face *face, double across[3]) {
+  const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
+  const double *wall = sph->walls.wall[face->wall].params.velocity;
+  double normal = 0.0;
+  for (int c = 0; c < 3; c++)
+    normal += (v[c] - wall[c]) * face->n[c];
+  for (int c = 0; c < 3; c++)
+    across[c] = v[c] - wall[c] - normal * face->n[c];
+  return normal;
+}
+
+/* Eq. 26 in S.4, for walls whose surface moves in itself; and V W for S.6. Ghosts have the pressure that
+ * makes S.5 vanish. */
+static void density_of_points(sph_t *sph, int i, sph_seer *s) {
+  const double h = sph->params.smoothing_length, slope_norm = sph->norm / (h * h);
+  const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
+  double *sum = sph->sum + SPH_SUMS * (size_t)i;
+  const int n = sph_walls_points(sph, s);
+  for (int k = 0; k < n; k++) {
+    const sph_point *p = &sph->walls.point[k];
+    const double q = sqrt(dot(p->r, p->r)) / h;
+    sum[0] -= p->volume * slope_norm * sph_slope(sph->params.kernel, q) * dot(p->q, v);
+    if (sph->plan.summation)
+      sph->shade[i] += p->volume * sph->norm * sph_shape(sph->params.kernel, q);
+  }
+}
+
+static void density_by_table(sph_t *sph, int i, const sph_seer *s) {
+  const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
+  const double per_distance = sph_walls_mirror(sph, 1.0, s->distance) - 1.0;
+  double t[SPH_TABLE_COUNT];
+  sph_walls_look_up(sph, s->distance, t);
+  sph->sum[SPH_SUMS * (size_t)i] +=
+      (t[SPH_TABLE_GRADIENT] + per_distance * t[SPH_TABLE_GRADIENT_DEPTH]) *
+      dot(v, sph->walls.face[s->nearest].n);
+  if (sph->plan.summation)
+    sph->shade[i] += t[SPH_TABLE_SHADE];
+}
+
+int sph_walls_density(sph_t *sph) {
+  int status = PART_OK;
+  part_timers_start(sph->timers, sph->stage[SPH_STAGE_WALLS]);
+  if (sph->plan.summation)
+    memset(sph->shade, 0, (size_t)sph->store->local * sizeof *sph->shade);
+  for (int row = 0; status == PART_OK && row < sph->walls.rows; row++) {
+    sph_seer s;
+    status = sph_walls_see(sph, row, &s);
+    if (status != PART_OK || s.count == 0)
+      continue;
+    if (by_table(sph, &s))
+      density_by_table(sph, sph->walls.particle[row], &s);
+    else
+      density_of_points(sph, sph->walls.particle[row], &s);
+  }
+  part_timers_stop(sph->timers, sph->stage[SPH_STAGE_WALLS]);
+  return status;
+}
+
+/* Viscous part along d = -r and along u: S.8 and S.9 with the velocity of eq. 25; S.10 with its part along
+ * the normal, approach = (u_n n).d. */
+static void viscous(const sph_t *sph, const double d[3], const double u[3], double approach,
+                    double *along_d, double *along_u) {
+  const sph_params *p = &sph->params;
+  const double h = p->smoothing_length, d2 = dot(d, d), soft = d2 + 0.01 * h * h, w = dot(d, u);
+  *along_u = 0.0;
+  *along_d = p->density * p->artificial_viscosity * p->sound_speed * h * fmin(approach, 0.0) / soft;
+  if (p->viscosity_model == SPH_MORRIS) {
+    *along_u = 2.0 * p->viscosity * d2 / soft;
+  } else if (p->viscosity > 0.0) {
+    const double per_r = 1.0 / sqrt(d2);
+    *along_d += p->density * sph->monaghan * (p->sound_speed + fabs(w) * per_r) * w * per_r;
+  }
+}
+
+/* Eq. 25: u_ak = u_n n + mirror u_t, without u_t where the fluid slips. Pressure goes on behind the
+ * wall as that of a fluid at rest. Returns the force over own volume in `force`. */
+static void force_of(const sph_t *sph, int i, const sph_point *p, double force[3]) {
+  const double *x = sph_xv(sph) + SPH_XV * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
+  const double h = sph->params.smoothing_length, slope_norm = sph->norm / (h * h);
+  const sph_face *face = &sph->walls.face[p->face];
+  const double d[3] = {-p->r[0], -p->r[1], -p->r[2]};
+  const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+  const double f = p->volume * slope_norm * sph_slope(sph->params.kernel, sqrt(d2) / h);
+  const double relative = m[1] / (m[2] * sph->params.density);
+  const int slips = sph->walls.wall[face->wall].params.slip == SPH_FREE_SLIP;
+  double u[3], along_d, along_u, pressure = 2.0 * x[7];
+  const double normal = split(sph, i, face, u);
+  for (int c = 0; c < 3; c++) {
+    u[c] = normal * face->n[c] + (slips ? 0.0 : p->mirror * u[c]);
+    pressure += relative * sph->hydrostatic[c] * p->r[c];
+  }
+  viscous(sph, d, u, normal * dot(d, face->n), &along_d, &along_u);
+  for (int c = 0; c < 3; c++)
+    force[c] = f * ((m[2] * along_d - pressure) * d[c] + m[2] * along_u * u[c]);
+}
+
+static void take_force(sph_t *sph, int i, int face, const double force[3]) {
+  const double volume = sph_xv(sph)[SPH_XV * (size_t)i + 3];
+  double *sum = sph->sum + SPH_SUMS * (size_t)i;
+  double *wall = sph->walls.wall[sph->walls.face[face].wall].force;
+  for (int c = 0; c < 3; c++) {
+    sum[c] += force[c];
+    sph->wall_force[c] += volume * force[c];
+    wall[c] -= volume * force[c];
+  }
+}
+
+static void force_of_points(sph_t *sph, int i, sph_seer *s) {
+  const int n = sph_walls_points(sph, s);
+  for (int k = 0; k < n; k++) {
+    const sph_point *p = &sph->walls.point[k];
+    double force[3];
+    force_of(sph, i, p, force);
+    take_force(sph, i, p->face, force);
+  }
+}
+
+/* The same summed beforehand: what is odd across the plane's directions has gone. */
+static void force_by_table(sph_t *sph, int i, const sph_seer *s) {
+  const double *x = sph_xv(sph) + SPH_XV * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
+  const sph_params *p = &sph->params;
+  const sph_face *face = &sph->walls.face[s->nearest];
+  const double relative = m[1] / (m[2] * p->density), *n = face->n, *g = sph->hydrostatic;
+  const double per_distance = sph_walls_mirror(sph, 1.0, s->distance) - 1.0;
+  const int slips = sph->walls.wall[face->wall].params.slip == SPH_FREE_SLIP;
+  double u[3], t[SPH_TABLE_COUNT], force[3];
+  const double normal = split(sph, i, face, u), g_n = dot(g, n);
+  sph_walls_look_up(sph, s->distance, t);
+  const double mu = 2.0 * m[2] * (p->viscosity_model == SPH_MORRIS ? p->viscosity : 0.0);
+  const double shear =
+      slips ? 0.0 : mu * (t[SPH_TABLE_VISCOUS] + per_distance * t[SPH_TABLE_VISCOUS_DEPTH]);
+  const double along = -2.0 * x[7] * t[SPH_TABLE_GRADIENT] + relative * t[SPH_TABLE_NORMAL] * g_n +
+                       mu * t[SPH_TABLE_VISCOUS] * normal +
+                       m[2] * p->density * p->artificial_viscosity * p->sound_speed *
+                           p->smoothing_length * fmin(normal, 0.0) * t[SPH_TABLE_APPROACH];
+  for (int c = 0; c < 3; c++)
+    force[c] = along * n[c] + shear * u[c] + relative * t[SPH_TABLE_ACROSS] * (g[c] - g_n * n[c]);
+  take_force(sph, i, s->nearest, force);
+}
+
+int sph_walls_force(sph_t *sph) {
+  int status = PART_OK;
+  part_timers_start(sph->timers, sph->stage[SPH_STAGE_WALLS]);
+  for (int w = 0; w < sph->walls.count; w++)
+    memset(sph->walls.wall[w].force, 0, sizeof sph->walls.wall[w].force);
+  for (int row = 0; status == PART_OK && row < sph->walls.rows; row++) {
+    sph_seer s;
+    status = sph_walls_see(sph, row, &s);
+    if (status != PART_OK || s.count == 0)
+      continue;
+    if (by_table(sph, &s))
+      force_by_table(sph, sph->walls.particle[row], &s);
+    else
+      force_of_points(sph, sph->walls.particle[row], &s);
+  }
+  part_timers_stop(sph->timers, sph->stage[SPH_STAGE_WALLS]);
+  return status;
+}
+
+void sph_walls_add_impulse(sph_t *sph, double h) {
+  for (int w = 0; w < sph->walls.count; w++)
+    sph_sum_add(&sph->walls.wall[w].impulse, sph->walls.wall[w].force, h);
+}
