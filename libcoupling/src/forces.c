@@ -16,6 +16,7 @@
 #include <string.h>
 #include "coupling_type.h"
 #include "drag/laws.h"
+#include "sphere.h"
 
 static int uses_pressure(const cpl_t *cpl) {
   return cpl->params.model == CPL_MODEL_A && cpl->params.pressure_gradient;
@@ -31,10 +32,15 @@ static int uses_sizes(const cpl_t *cpl) {
   return law_needs_sizes[cpl->params.drag];
 }
 
+static inline double drag_radius(const cpl_t *cpl, const cpl_particles *p, int i) {
+  return p->drag_radius ? *cpl_at(p->drag_radius, p->drag_radius_stride, i)
+                        : cpl->sphere.data[4 * (size_t)i + 3];
+}
+
 /* ---- sample --------------------------------------------------------------------------------- */
 /* Sauter mean diameter sum V_i/sum (V_i/d_i) of the cells, with the weights of the exchange, and
  * from there at the particles. */
-static int sample_sizes(cpl_t *cpl) {
+static int sample_sizes(cpl_t *cpl, const cpl_particles *p) {
   const size_t cells = (size_t)cpl->mesh.cells, count = (size_t)cpl->count;
   int status = CPL_RESERVE(cpl->cell_work, 2 * cells);
   if (status == PART_OK)
@@ -44,7 +50,7 @@ static int sample_sizes(cpl_t *cpl) {
   PART_TRY(cpl_agree(cpl, status));
   for (size_t i = 0; i < count; i++) {
     cpl->particle_work.data[2 * i] = cpl->volume.data[i];
-    cpl->particle_work.data[2 * i + 1] = cpl->volume.data[i] / (2.0 * cpl->sphere.data[4 * i + 3]);
+    cpl->particle_work.data[2 * i + 1] = cpl->volume.data[i] / (2.0 * drag_radius(cpl, p, (int)i));
   }
   memset(cpl->cell_work.data, 0, 2 * cells * sizeof(double));
   PART_TRY(cpl_weights_deposit(cpl->weights, 2, cpl->particle_work.data, cpl->cell_work.data));
@@ -127,7 +133,7 @@ static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_ce
   PART_TRY(cpl_weights_sample(cpl->weights, n, cpl->cell_work.data, cpl->particle_work.data));
   scatter_particles(cpl, (size_t)n);
   if (uses_sizes(cpl))
-    PART_TRY(sample_sizes(cpl));
+    PART_TRY(sample_sizes(cpl, particles));
   cpl->sample_stamp = cpl->stamp;
   return PART_OK;
 }
@@ -186,11 +192,13 @@ force_loop(cpl_t *cpl, cpl_particles *p, cpl_drag_law law, cpl_drag_range range,
       u[d] = superficial[d] * to_interstitial;
       slip2 += (u[d] - v[d]) * (u[d] - v[d]);
     }
-    const double slip = sqrt(slip2), d_i = 2.0 * cpl->sphere.data[4 * (size_t)i + 3];
+    const double slip = sqrt(slip2), d_i = 2.0 * drag_radius(cpl, p, i);
     const double re = eps * slip * d_i * rho / mu;
     cpl->outside += re < range.re_low || re > range.re_high || eps < range.eps_low ||
                     eps > range.eps_high + 1e-12; /* rounding of eps = 1 */
     double beta = law(slip, d_i, eps, rho, mu, sizes ? cpl->mean_d.data[i] : d_i);
+    if (p->drag_radius) /* the share by volume in the drag of the larger sphere */
+      beta *= volume / cpl_sphere_volume(0.5 * d_i);
     if (model_b)
       beta *= cpl->inverse_eps.data[i];
     if (!isfinite(beta))

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Kick of a clump in a fluid that acts on each member with Su_i - Sp_i (v + omega x a_i).
+/* What a fluid sees of a clump, and the kick of a clump in a fluid that acts on each member with
+ * Su_i - Sp_i (v + omega x a_i).
  *
  * With the attitude held, v and L follow one linear system. In y = (sqrt(m) v, L_k/sqrt(I_k)), L in
  * body axes, its matrix A is symmetric and takes energy only:
@@ -187,4 +188,26 @@ void dem_clump_kick_wet(dem_t *dem, dem_clump *b, const double gravity[3], doubl
   for (int c = 0; c < 3; c++)
     b->spin[c] += spin[c];
   share_impulse(dem, b, m, sums.sp, h, path, omega, impulse);
+}
+
+int dem_fluid_spheres(const dem_t *dem, double *volume_radius, double *drag_radius) {
+  const double per_volume = 3.0 / (4.0 * 3.14159265358979323846);
+  const double *inverse = part_field_double(dem->store, DEM_FIELD_SPHERE_INVERSE_MASS);
+  const size_t stride = (size_t)part_field_stride(dem->store, DEM_FIELD_SPHERE_INVERSE_MASS);
+  const dem_clumps *c = &dem->clumps;
+  if (!dem->started)
+    return part_fail(PART_ERR_STATE, "dem_fluid_spheres comes after dem_start");
+  for (int i = 0; i < dem->store->local; i++)
+    volume_radius[i] = drag_radius[i] = dem_xr(dem)[DEM_XR * (size_t)i + 3];
+  for (int k = 0; k < c->count; k++) {
+    const dem_clump *b = &c->clump[k];
+    const double density = dem->material[b->material].density;
+    const double whole = cbrt(per_volume * b->mass / density);
+    for (int m = b->first; m < b->first + b->count; m++) {
+      const size_t i = (size_t)c->member[m];
+      volume_radius[i] = cbrt(per_volume / (inverse[stride * i] * density));
+      drag_radius[i] = whole;
+    }
+  }
+  return PART_OK;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rigid clumps of spheres (doc/equations.md, R.1 to R.7). Member spheres are ordinary particles
+/* Rigid clumps of spheres (doc/equations.md, R.1 to R.8). Member spheres are ordinary particles
  * (kind DEM_CLUMP, field BLOCK numbers the clump): neighbour lists, contact, walls and files know
  * nothing else. All members of a clump are on the rank that owns its centre of mass (its home).
  *

@@ -205,6 +205,40 @@ static void test_terminal_slip(void **state) {
   scene_free(&s);
 }
 
+/* A part of a body 1.5 times as wide has the share of its drag that it has of its volume: in
+ * creeping flow, where drag goes with the diameter, 1/1.5^2 of its own; what goes with volume is
+ * the same. */
+static void test_part_of_body(void **state) {
+  (void)state;
+  cpl_params params = scene_params();
+  const cpl_fluid fluid = scene_water();
+  params.two_way = 0;
+  assert_int_equal(part_params_set(&cpl_params_table, "drag", NULL, "stokes", &params), PART_OK);
+  scene s;
+  start(&s, &params, &fluid);
+  for (int c = 0; c < 3 * s.mesh.view.cells; c++)
+    s.superficial[c] = 0.01;
+  force(&s);
+  const int n = s.view.count;
+  double alone[MANY], constant[MANY], wide[MANY];
+  for (int i = 0; i < n; i++) {
+    const double *row = s.row + i * ROW_WIDTH;
+    alone[i] = row[ROW_SP];
+    constant[i] = row[ROW_SU + 2] - row[ROW_SP] * 0.01 / cpl_sampled_eps(s.cpl)[i];
+    wide[i] = 1.5 * row[ROW_R];
+  }
+  s.view.drag_radius = wide;
+  s.view.drag_radius_stride = 1;
+  force(&s);
+  for (int i = 0; i < n; i++) {
+    const double *row = s.row + i * ROW_WIDTH;
+    const double rest = row[ROW_SU + 2] - row[ROW_SP] * 0.01 / cpl_sampled_eps(s.cpl)[i];
+    assert_true(fabs(row[ROW_SP] - alone[i] / 2.25) <= 1e-14 * alone[i]);
+    assert_true(fabs(rest - constant[i]) <= 1e-12 * fabs(constant[i]));
+  }
+  scene_free(&s);
+}
+
 /* ---- errors --------------------------------------------------------------------------------- */
 static void test_not_finite(void **state) {
   (void)state;
@@ -260,9 +294,13 @@ static void test_missing_fields_and_order(void **state) {
 int main(int argc, char **argv) {
   MPI_Init(&argc, &argv);
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_constant_parts),   cmocka_unit_test(test_drag_of_sampled),
-      cmocka_unit_test(test_uniform_velocity), cmocka_unit_test(test_terminal_slip),
-      cmocka_unit_test(test_not_finite),       cmocka_unit_test(test_missing_fields_and_order),
+      cmocka_unit_test(test_constant_parts),
+      cmocka_unit_test(test_drag_of_sampled),
+      cmocka_unit_test(test_uniform_velocity),
+      cmocka_unit_test(test_terminal_slip),
+      cmocka_unit_test(test_part_of_body),
+      cmocka_unit_test(test_not_finite),
+      cmocka_unit_test(test_missing_fields_and_order),
   };
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);
   MPI_Finalize();

@@ -305,12 +305,45 @@ static void placed_as_asked(void **state) {
   assert_memory_equal(mean[0], mean[1], sizeof mean[0]);
 }
 
+/* What the fluid sees of members takes up the volume of the union, of any size; a free sphere is as
+ * it is. */
+static void volume_for_the_fluid(void **state) {
+  (void)state;
+  enum { CLUMPS = 6, SPHERES = 5 * CLUMPS + 1 };
+  const double pi = 3.14159265358979323846, x[3] = {0.5, 0.0, 0.0};
+  const char *shape = ell_shape();
+  scene s = scene_default();
+  dem_clump_shape_report form;
+  dem_t *dem = scene_create(&s);
+  OK(dem_get_clump_shape(dem, shape, &form));
+  dem_insert insert = random_clumps(shape, CLUMPS, 0.0, 0.0, (double[3]){-0.1, -0.1, -0.1}, 0.2, 3);
+  double r[SPHERES], whole[SPHERES];
+  FAILS(PART_ERR_STATE, "dem_start", dem_fluid_spheres(dem, r, whole));
+  OK(dem_insert_particles(dem, &insert, -1, NULL));
+  add_sphere(dem, DEM_FREE, -1, x, 0.01, nowhere);
+  OK(dem_start(dem));
+  const part_store *store = dem_store(dem);
+  const int64_t *kind = part_field_int64(store, DEM_FIELD_KIND);
+  double sum[2] = {0.0, 0.0}; /* of members, of free ones */
+  assert_true(store->local <= SPHERES);
+  OK(dem_fluid_spheres(dem, r, whole));
+  for (int i = 0; i < store->local; i++) {
+    const int is_free = kind[i * part_field_stride(store, DEM_FIELD_KIND)] == DEM_FREE;
+    sum[is_free] += 4.0 / 3.0 * pi * r[i] * r[i] * r[i];
+    CLOSE(whole[i], is_free ? 0.01 : cbrt(form.volume * 3.0 / (4.0 * pi)), 1e-15);
+  }
+  MPI_Allreduce(MPI_IN_PLACE, sum, 2, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
+  CLOSE(sum[0], CLUMPS * form.volume, 1e-12 * sum[0]);
+  CLOSE(sum[1], 4.0 / 3.0 * pi * 1e-6, 1e-12 * sum[1]);
+  dem_destroy(dem);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(drag_of_rod),     cmocka_unit_test(uneven_drag),
       cmocka_unit_test(turned_by_shear), cmocka_unit_test(kicks),
       cmocka_unit_test(over_the_border), cmocka_unit_test(placed_as_asked),
-      cmocka_unit_test(bad_insertions),
+      cmocka_unit_test(bad_insertions),  cmocka_unit_test(volume_for_the_fluid),
   };
   MPI_Init(&argc, &argv);
   const int failed = cmocka_run_group_tests(tests, NULL, remove_clump_files);

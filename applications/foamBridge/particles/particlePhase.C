@@ -52,7 +52,7 @@ static bool anyMoves(part_store* s)
   return moves;
 }
 
-/* The particles of libdem, in the order they have now. */
+/* The particles of libdem, in the order they have now; without clumps. */
 static cpl_particles particleView(part_store* s)
 {
   cpl_particles v = cpl_particles();
@@ -147,10 +147,23 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
 
 particlePhase::~particlePhase() { cpl_destroy(cpl_); }
 
+/* Members of clumps overlap: the fluid sees the sphere of their share of the volume. */
+void particlePhase::look()
+{
+  view_ = particleView(dem_store(dem_));
+  if (system_.state().clumps == 0) return;
+  volumeRadius_.setSize(view_.count);
+  dragRadius_.setSize(view_.count);
+  checkStatus(dem_fluid_spheres(dem_, volumeRadius_.data(), dragRadius_.data()), "particlePhase::look");
+  view_.radius = volumeRadius_.cdata();
+  view_.drag_radius = dragRadius_.cdata();
+  view_.radius_stride = view_.drag_radius_stride = 1;
+}
+
 /* Weights of the particles where they are now; nothing to do if they have not moved. */
 void particlePhase::locate()
 {
-  view_ = particleView(dem_store(dem_));
+  look();
   if (!moved_ && generation_ == dem_generation(dem_)) return;
   checkStatus(cpl_locate(cpl_, &view_), "particlePhase::locate");
   deposited_ = false;
@@ -209,7 +222,7 @@ void particlePhase::advance(scalar dt, volScalarField& eps, volVectorField& vp, 
   system_.advance(dt);
   if (still_ && deposited_)
   {
-    view_ = particleView(dem_store(dem_));
+    look();
     return;
   }
   moved_ = !still_; // those that stand still come here after a write or restart, in a new order

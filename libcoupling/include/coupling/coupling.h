@@ -49,6 +49,7 @@ typedef struct cpl_particles {
   int count;
   const double *position;     int position_stride;
   const double *radius;       int radius_stride;
+  const double *drag_radius;  int drag_radius_stride; /* NULL: radius; see cpl_fluid_force */
   const double *velocity;     int velocity_stride;
   const double *inverse_mass; int inverse_mass_stride;
   const int64_t *id;          int id_stride;
@@ -130,7 +131,9 @@ int cpl_void_fraction(cpl_t *cpl, const cpl_particles *particles, cpl_cells *cel
                       double *volume_error);
 /* Collective. Sample eps, U, grad p, div tau at the particles (kept inside until the next call). */
 int cpl_sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_cells *cells);
-/* Local. F = Su - Sp v into the particle view: drag, pressure gradient with buoyancy, stress. */
+/* Local. F = Su - Sp v into the particle view: drag, pressure gradient with buoyancy, stress. A
+ * particle with a drag_radius is a part of a body of that radius: it has the share of the body's drag
+ * that it has of its volume, (radius/drag_radius)^3. */
 int cpl_fluid_force(cpl_t *cpl, cpl_particles *particles);
 /* Own particles of the last cpl_fluid_force where the drag law was outside its range. */
 int64_t cpl_outside_range(const cpl_t *cpl);

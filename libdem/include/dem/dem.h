@@ -284,6 +284,12 @@ typedef struct dem_report {
 /* Collective. */
 int dem_get_report(dem_t *dem, dem_report *report);
 
+/* Own particles as a fluid sees them (equations R.8), [local] m each: the sphere whose volume the
+ * particle takes up, and the sphere whose drag law it follows. Both are its own radius, but for
+ * members of clumps: those share the volume of the union by the volumes of the spheres, and the
+ * second is the sphere of the clump's volume. ERR_STATE before dem_start. Local. */
+int dem_fluid_spheres(const dem_t *dem, double *volume_radius, double *drag_radius);
+
 /* An intact bond between particles a and b, a < b. */
 typedef struct dem_bond_state {
   int64_t a, b;
