@@ -223,19 +223,6 @@ int dem_clumps_list(dem_t *dem, const int *count, const void *payload) {
 }
 
 /* ---- inverse effective masses ---------------------------------------------------------------- */
-void dem_clump_turn(const double j[6], const double arm[3], double k[6]) {
-  /* Columns of the matrix of arm x n. */
-  const double column[3][3] = {
-      {0.0, arm[2], -arm[1]}, {-arm[2], 0.0, arm[0]}, {arm[1], -arm[0], 0.0}};
-  static const int row[6] = {0, 1, 2, 0, 0, 1}, other[6] = {0, 1, 2, 1, 2, 2};
-  for (int e = 0; e < 6; e++) {
-    const double *a = column[row[e]], *b = column[other[e]];
-    k[e] = a[0] * (j[0] * b[0] + j[3] * b[1] + j[4] * b[2]) +
-           a[1] * (j[3] * b[0] + j[1] * b[1] + j[5] * b[2]) +
-           a[2] * (j[4] * b[0] + j[5] * b[1] + j[2] * b[2]);
-  }
-}
-
 int dem_clumps_turns(dem_t *dem) {
   dem_clumps *c = &dem->clumps;
   static const int row[6] = {0, 1, 2, 0, 0, 1}, other[6] = {0, 1, 2, 1, 2, 2};

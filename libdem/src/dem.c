@@ -138,31 +138,6 @@ int dem_add_material(dem_t *dem, const dem_material *material, int *number) {
   return PART_OK;
 }
 
-int dem_material_count(const dem_t *dem) {
-  return dem->materials;
-}
-const char *dem_material_name(const dem_t *dem, int number) {
-  return number >= 0 && number < dem->materials ? dem->material[number].name : NULL;
-}
-
-int dem_find_material(const dem_t *dem, const char *name, int *number) {
-  const char **names = NULL;
-  for (int m = 0; m < dem->materials; m++)
-    if (strcmp(dem->material[m].name, name) == 0) {
-      *number = m;
-      return PART_OK;
-    }
-  PART_TRY(dem_allocate((size_t)dem->materials, sizeof *names, &names));
-  for (int m = 0; m < dem->materials; m++)
-    names[m] = dem->material[m].name;
-  const char *near = part_nearest_name(name, dem->materials, names);
-  const int status = part_fail(PART_ERR_ARGUMENT, "there is no material '%s'%s%s%s", name,
-                               near != NULL ? "; did you mean '" : "", near != NULL ? near : "",
-                               near != NULL ? "'?" : "");
-  free(names);
-  return status;
-}
-
 /* Hertz' stiffness and adhesion are those of spheres. */
 static int check_flat_contact(const dem_contact *contact) {
   const char *table = dem_contact_table.name;

@@ -173,3 +173,29 @@ int dem_step_text(const dem_t *dem, size_t size, char *text) {
              ? PART_OK
              : part_fail(PART_ERR_RANGE, "the step text needs more than %zu characters", size);
 }
+
+/* ---- by number and name ---------------------------------------------------------------------- */
+int dem_material_count(const dem_t *dem) {
+  return dem->materials;
+}
+const char *dem_material_name(const dem_t *dem, int number) {
+  return number >= 0 && number < dem->materials ? dem->material[number].name : NULL;
+}
+
+int dem_find_material(const dem_t *dem, const char *name, int *number) {
+  const char **names = NULL;
+  for (int m = 0; m < dem->materials; m++)
+    if (strcmp(dem->material[m].name, name) == 0) {
+      *number = m;
+      return PART_OK;
+    }
+  PART_TRY(dem_allocate((size_t)dem->materials, sizeof *names, &names));
+  for (int m = 0; m < dem->materials; m++)
+    names[m] = dem->material[m].name;
+  const char *near = part_nearest_name(name, dem->materials, names);
+  const int status = part_fail(PART_ERR_ARGUMENT, "there is no material '%s'%s%s%s", name,
+                               near != NULL ? "; did you mean '" : "", near != NULL ? near : "",
+                               near != NULL ? "'?" : "");
+  free(names);
+  return status;
+}
