@@ -25,6 +25,7 @@ cat >"$work/tables.c" <<'END'
 #include <string.h>
 #include "coupling/coupling.h"
 #include "dem/dem.h"
+#include "sph/sph.h"
 
 static const char *const types[] = {"number", "vector", "whole number", "switch", "word", "word"};
 
@@ -94,14 +95,27 @@ int main(void) {
     if (f->flags & PART_WRITTEN)
       printf("| `%s` | %d | %s | %s |\n", f->name, f->comps, f->unit, f->meaning);
   }
+  printf("\n# Smoothed particles\n\nTables of libsph, which no solver reads yet.\n");
+  print_table("`sph_params`", &sph_params_table);
+  print_table("`sph_wall_params`", &sph_wall_table);
+  print_table("`sph_insert`", &sph_insert_table);
+  printf("\n## Kernels\n\n| `kernel` | meaning |\n|---|---|\n");
+#define SPH_KERNEL(name, key, support, meaning) print_row(key, meaning);
+#include "sph/kernels.def"
+  printf("\n## Particle quantities in files of libsph\n\n| array | components | unit | meaning |\n|---|---|---|---|\n");
+  for (int k = 0; k < sph_layout.field_count; k++) {
+    const part_field *f = &sph_layout.fields[k];
+    if (f->flags & PART_WRITTEN)
+      printf("| `%s` | %d | %s | %s |\n", f->name, f->comps, f->unit, f->meaning);
+  }
   return 0;
 }
 END
 
 includes=$(pkg-config --cflags ompi-c 2>/dev/null || mpicc -showme:compile)
 # shellcheck disable=SC2086
-"${CC:-cc}" -std=c11 -Ilibparticle/include -Ilibdem/include -Ilibcoupling/include $includes "$work/tables.c" \
-  -Lbuild/lib -Wl,-rpath,"$PWD/build/lib" -ldem -lcoupling -lparticle -o "$work/tables"
+"${CC:-cc}" -std=c11 -Ilibparticle/include -Ilibdem/include -Ilibcoupling/include -Ilibsph/include $includes "$work/tables.c" \
+  -Lbuild/lib -Wl,-rpath,"$PWD/build/lib" -ldem -lcoupling -lsph -lparticle -o "$work/tables"
 "$work/tables" >"$work/parameters.md"
 
 if [ "${1:-}" != --check ]; then
