@@ -78,7 +78,7 @@ static drift drift_of(const outlook *view, int i) {
   return d;
 }
 
-/* Mean motion of all, and the largest deviation from it. Collective. */
+/* Mean motion of all, and the largest deviation from it. Collective; only pairs need it. */
 static void mean_motion(outlook *view) {
   const dem_t *dem = view->dem;
   double sum[8] = {0.0};
@@ -99,12 +99,9 @@ static void mean_motion(outlook *view) {
   }
   for (int i = 0; i < dem->store->local; i++) {
     const drift d = drift_of(view, i);
-    const double hard = length(d.a);
     view->off[0] = fmax(view->off[0], apart(d.v, view->v) + d.spare);
     view->off[1] =
-        fmax(view->off[1], apart(d.a, view->a) + hard * fmin(1.0, d.b * view->time / 3.0));
-    view->fastest = fmax(view->fastest, length(d.v) + d.spare);
-    view->hardest = fmax(view->hardest, hard);
+        fmax(view->off[1], apart(d.a, view->a) + length(d.a) * fmin(1.0, d.b * view->time / 3.0));
   }
   MPI_Allreduce(MPI_IN_PLACE, view->off, 2, MPI_DOUBLE, MPI_MAX, dem->comm);
 }
@@ -207,18 +204,36 @@ static double walls_time(const outlook *view, double slack) {
   return least;
 }
 
-/* In a dense scene the first pairs say no. Collective. */
+/* In a dense scene the first pairs say no. */
 static int any_touch(const dem_t *dem, double slack) {
   const double *xr = dem_xr(dem);
   int touch = 0;
-  for (int i = 0; dem->plan.pairs && i < dem->pairs->rows && !touch; i++)
+  for (int i = 0; i < dem->pairs->rows && !touch; i++)
     for (int k = dem->pairs->start[i]; k < dem->pairs->start[i + 1]; k++) {
       const double *x = xr + DEM_XR * (size_t)i;
       const double *y = xr + DEM_XR * (size_t)dem->pairs->partner[k];
       touch |= apart(x, y) - x[3] - y[3] <= slack;
     }
-  MPI_Allreduce(MPI_IN_PLACE, &touch, 1, MPI_INT, MPI_MAX, dem->comm);
   return touch;
+}
+
+/* What pairs and walls of this rank allow; largest motion of the walls and, against them, of
+ * particles. */
+static double least_time(outlook *view, double slack) {
+  const dem_t *dem = view->dem;
+  double least = HUGE_VAL;
+  if (dem->plan.pairs)
+    least = pairs_time(view, slack);
+  if (!dem->plan.walls || !(least > 0.0))
+    return least;
+  view->wall_way = dem_walls_way(dem, view->time);
+  view->wall_speed = dem_walls_way(dem, 1e-9 * view->time) / (1e-9 * view->time);
+  for (int i = 0; i < dem->store->local; i++) {
+    const drift d = drift_of(view, i);
+    view->fastest = fmax(view->fastest, length(d.v) + d.spare);
+    view->hardest = fmax(view->hardest, length(d.a));
+  }
+  return fmin(least, walls_time(view, slack));
 }
 
 int dem_horizon(dem_t *dem, double dt, double *free_time) {
@@ -229,20 +244,19 @@ int dem_horizon(dem_t *dem, double dt, double *free_time) {
     return PART_OK;
   /* A little less than the gap, for rounding of positions. */
   const double slack = 1e-9 * dem->r_mean;
-  if (any_touch(dem, slack))
-    return PART_OK;
-  if (dem->plan.clumps)
+  if (dem->plan.pairs) {
+    double worst[2] = {any_touch(dem, slack), 0.0};
+    if (dem->plan.clumps)
+      worst[1] = dem_clumps_way(dem, dt) / dt;
+    MPI_Allreduce(MPI_IN_PLACE, worst, 2, MPI_DOUBLE, MPI_MAX, dem->comm);
+    if (worst[0] > 0.0)
+      return PART_OK;
+    view.clumps = worst[1];
+    mean_motion(&view);
+  } else if (dem->plan.clumps) {
     view.clumps = dem_clumps_way(dem, dt) / dt;
-  if (dem->plan.walls) {
-    view.wall_way = dem_walls_way(dem, dt);
-    view.wall_speed = dem_walls_way(dem, 1e-9 * dt) / (1e-9 * dt);
   }
-  mean_motion(&view);
-  double least = HUGE_VAL;
-  if (dem->plan.pairs)
-    least = fmin(least, pairs_time(&view, slack));
-  if (dem->plan.walls && least > 0.0)
-    least = fmin(least, walls_time(&view, slack));
+  double least = least_time(&view, slack);
   MPI_Allreduce(MPI_IN_PLACE, &least, 1, MPI_DOUBLE, MPI_MIN, dem->comm);
   least *= 1.0 - 1e-9;
   /* The bound of clumps holds at the end of dt alone. */
