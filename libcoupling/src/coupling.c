@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 #include "coupling_type.h"
+#include "exchange.h"
 #include "sphere.h"
 
 int cpl_agree(const cpl_t *cpl, int status) {
@@ -31,6 +32,12 @@ static int check(const cpl_mesh *mesh, const cpl_params *params, const cpl_fluid
     return part_fail(PART_ERR_ARGUMENT,
                      "coupling: viscousStress is on with model B, whose drag contains that force: "
                      "it would count twice; use model A or viscousStress off");
+  if (params->self_disturbance && !(params->smoothing && params->two_way))
+    return part_fail(PART_ERR_ARGUMENT,
+                     "coupling: selfDisturbance is on, but %s: its formula is that of the smooth "
+                     "kernel of two-way coupling; use smoothing diffusion and twoWay on, or "
+                     "selfDisturbance off",
+                     params->two_way ? "smoothing is off" : "twoWay is off");
   PART_TRY(check_fluid(fluid));
   for (int c = 0; c < mesh->cells; c++)
     if (!(isfinite(mesh->volume[c]) && mesh->volume[c] > 0.0))
@@ -47,6 +54,12 @@ static int create_local(cpl_t *cpl) {
     PART_TRY(part_timers_stage(cpl->timers, names[k], &cpl->stage[k]));
   PART_TRY(CPL_RESERVE(cpl->solid, cpl->mesh.cells));
   PART_TRY(CPL_RESERVE(cpl->share, cpl->mesh.cells));
+  if (cpl->params.self_disturbance) {
+    cpl->wake = malloc(sizeof *cpl->wake);
+    if (!cpl->wake)
+      return part_fail(PART_ERR_MEMORY, "coupling: no memory for the table of wakes");
+    cpl_disturbance_make(cpl->wake);
+  }
   return cpl_search_create(&cpl->mesh, &cpl->search);
 }
 
@@ -81,6 +94,7 @@ int cpl_create(MPI_Comm comm, const cpl_mesh *mesh, const part_box *box, const c
 void cpl_destroy(cpl_t *cpl) {
   if (!cpl)
     return;
+  cpl_smoother_destroy(cpl->smoother);
   cpl_weights_destroy(cpl->weights);
   cpl_search_destroy(cpl->search);
   part_timers_destroy(cpl->timers);
@@ -95,8 +109,12 @@ void cpl_destroy(cpl_t *cpl) {
   CPL_FREE(cpl->constant);
   CPL_FREE(cpl->inverse_eps);
   CPL_FREE(cpl->mean_d);
+  CPL_FREE(cpl->spread);
+  CPL_FREE(cpl->disturbance);
+  free(cpl->wake);
   CPL_FREE(cpl->force_id);
   CPL_FREE(cpl->force);
+  CPL_FREE(cpl->smooth_work);
   CPL_FREE(cpl->cell_work);
   CPL_FREE(cpl->particle_work);
   CPL_FREE(cpl->particle_work2);
@@ -151,6 +169,7 @@ static int locate(cpl_t *cpl, const cpl_particles *particles) {
   cpl->stamp = 0;
   PART_TRY(cpl_agree(cpl, remember(cpl, particles)));
   PART_TRY(cpl_weights_locate(cpl->weights, particles));
+  PART_TRY(cpl_update_smoothing(cpl));
   cpl->stamp = stamp;
   return PART_OK;
 }
@@ -185,7 +204,7 @@ static int deposit_solid(cpl_t *cpl) {
   if (cpl->solid_stamp == cpl->stamp)
     return PART_OK;
   memset(cpl->solid.data, 0, (size_t)cpl->mesh.cells * sizeof(double));
-  PART_TRY(cpl_weights_deposit(cpl->weights, 1, cpl->volume.data, cpl->solid.data));
+  PART_TRY(cpl_spread(cpl, 1, cpl->volume.data, cpl->solid.data));
   cpl->solid_stamp = cpl->stamp;
   return PART_OK;
 }
@@ -230,7 +249,7 @@ static int solid_velocity(cpl_t *cpl, const cpl_particles *p, double *velocity) 
     MPI_Allreduce(MPI_IN_PLACE, &moving, 1, MPI_INT, MPI_MAX, cpl->comm);
   if (!moving)
     return PART_OK;
-  PART_TRY(cpl_weights_deposit(cpl->weights, 3, cpl->particle_work.data, velocity));
+  PART_TRY(cpl_spread(cpl, 3, cpl->particle_work.data, velocity));
   for (size_t c = 0; c < cells; c++)
     for (size_t d = 0; d < 3 && cpl->solid.data[c] > 0.0; d++)
       velocity[3 * c + d] /= cpl->solid.data[c];
@@ -278,12 +297,12 @@ static int check_primitive(const cpl_t *cpl, int n, const char *caller) {
 
 int cpl_deposit(cpl_t *cpl, int n, const double *value, double *cell) {
   PART_TRY(cpl_agree(cpl, check_primitive(cpl, n, "cpl_deposit")));
-  return cpl_weights_deposit(cpl->weights, n, value, cell);
+  return cpl_spread(cpl, n, value, cell);
 }
 
 int cpl_sample(cpl_t *cpl, int n, const double *cell, double *value) {
   PART_TRY(cpl_agree(cpl, check_primitive(cpl, n, "cpl_sample")));
-  return cpl_weights_sample(cpl->weights, n, cell, value);
+  return cpl_gather(cpl, n, cell, value);
 }
 
 /* ---- plan ----------------------------------------------------------------------------------- */
@@ -310,6 +329,10 @@ int cpl_plan_text(const cpl_t *cpl, size_t size, char *text) {
     line(size, text, "locate, weights and void fraction", "only while no particle moves",
          "overlaps and volume deposit");
   }
+  if (!p->smoothing)
+    line(size, text, "smoothing of what is exchanged", "smoothing off", "its passes over the mesh");
+  if (!p->self_disturbance)
+    line(size, text, "memory of own forces", "selfDisturbance off", "8 vectors per particle");
   if (!p->two_way)
     line(size, text, "momentum source and reaction", "twoWay off", "one deposit and one sample");
   if (p->model == CPL_MODEL_B)

@@ -4,8 +4,10 @@
 #define COUPLING_TYPE_H
 
 #include "coupling/coupling.h"
+#include "disturbance.h"
 #include "memory.h"
 #include "search.h"
+#include "smoothing.h"
 #include "weights.h"
 
 enum cpl_stage { CPL_LOCATE, CPL_VOID, CPL_SAMPLE, CPL_FORCE, CPL_SOURCE, CPL_REACT, CPL_STAGES };
@@ -27,6 +29,8 @@ struct cpl_t {
   cpl_fluid fluid;
   cpl_search *search;
   cpl_weights *weights;
+  cpl_smoother *smoother; /* NULL: smoothing off, or no particle seen yet */
+  double smoothed_radius; /* m, that its bandwidth was made for */
   part_timers *timers;
   int stage[CPL_STAGES];
 
@@ -38,7 +42,8 @@ struct cpl_t {
   CPL_ARRAY(double) volume; /* [count] of the spheres */
 
   /* what was made with which weights */
-  long long solid_stamp, sample_stamp, source_stamp;
+  long long solid_stamp, sample_stamp, source_stamp, spread_stamp;
+  cpl_disturbance *wake;         /* NULL: selfDisturbance off */
   CPL_ARRAY(double) solid;       /* [cells] deposited sphere volume, m3 */
   CPL_ARRAY(double) share;       /* [cells] sum_i w_ic b_i, kg/s: D V_c (B: D eps V_c) */
   CPL_ARRAY(double) implicit;    /* [count] b_i, kg/s (model B: b_i over sum_c w_ic/eps_c) */
@@ -46,6 +51,8 @@ struct cpl_t {
   CPL_ARRAY(double) eps;         /* [count] sampled */
   CPL_ARRAY(double) superficial; /* [count][3] sampled */
   CPL_ARRAY(double) constant;    /* [count][3] grad p and div tau forces, N */
+  CPL_ARRAY(double) spread;      /* [count] m2, variance of the kernel per axis; selfDisturbance */
+  CPL_ARRAY(double) disturbance; /* [count][3] m/s; selfDisturbance */
   CPL_ARRAY(double) mean_d;      /* [count] m, Sauter mean diameter around; drag that needs it */
   int64_t outside;               /* particles outside the range of the drag law */
 
@@ -55,6 +62,7 @@ struct cpl_t {
   CPL_ARRAY(double) force; /* [force_count][CPL_FORCE_WIDTH] */
 
   /* work space */
+  CPL_ARRAY(double) smooth_work;
   CPL_ARRAY(double) cell_work;
   CPL_ARRAY(double) particle_work;
   CPL_ARRAY(double) particle_work2;

@@ -9,14 +9,19 @@
  * have the same steady state where a sphere lies in cells of different eps. grad p without its
  * hydrostatic part: that is -rho_f V g.
  *
+ * selfDisturbance: u is the sampled velocity without what the particle's own drag has given to it
+ * (wake.c).
+ *
  * One-way coupling (Markauskas et al., section 6) is the same here: the flow has eps = 1 and no
  * source, but the particle's drag takes the void fraction that cpl_void_fraction found. The caller
  * gives that eps and superficial = eps u with it, whatever eps its flow equations use. */
 #include <math.h>
 #include <string.h>
 #include "coupling_type.h"
+#include "exchange.h"
 #include "drag/laws.h"
 #include "sphere.h"
+#include "wake.h"
 
 static int uses_pressure(const cpl_t *cpl) {
   return cpl->params.model == CPL_MODEL_A && cpl->params.pressure_gradient;
@@ -53,12 +58,12 @@ static int sample_sizes(cpl_t *cpl, const cpl_particles *p) {
     cpl->particle_work.data[2 * i + 1] = cpl->volume.data[i] / (2.0 * drag_radius(cpl, p, (int)i));
   }
   memset(cpl->cell_work.data, 0, 2 * cells * sizeof(double));
-  PART_TRY(cpl_weights_deposit(cpl->weights, 2, cpl->particle_work.data, cpl->cell_work.data));
+  PART_TRY(cpl_spread(cpl, 2, cpl->particle_work.data, cpl->cell_work.data));
   for (size_t c = 0; c < cells; c++) {
     const double *row = cpl->cell_work.data + 2 * c;
     cpl->cell_work.data[c] = row[1] > 0.0 ? row[0] / row[1] : 0.0;
   }
-  return cpl_weights_sample(cpl->weights, 1, cpl->cell_work.data, cpl->mean_d.data);
+  return cpl_gather(cpl, 1, cpl->cell_work.data, cpl->mean_d.data);
 }
 
 static int check_cells(const cpl_t *cpl, const cpl_cells *cells) {
@@ -130,10 +135,12 @@ static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_ce
     status = CPL_RESERVE(cpl->inverse_eps, count);
   PART_TRY(cpl_agree(cpl, status));
   gather_cells(cpl, cells, (size_t)n);
-  PART_TRY(cpl_weights_sample(cpl->weights, n, cpl->cell_work.data, cpl->particle_work.data));
+  PART_TRY(cpl_gather(cpl, n, cpl->cell_work.data, cpl->particle_work.data));
   scatter_particles(cpl, (size_t)n);
   if (uses_sizes(cpl))
     PART_TRY(sample_sizes(cpl, particles));
+  if (cpl->wake)
+    PART_TRY(cpl_wake_spread(cpl));
   cpl->sample_stamp = cpl->stamp;
   return PART_OK;
 }
@@ -176,6 +183,8 @@ static int check_sampled(const cpl_t *cpl, int i, const double *velocity) {
   return PART_OK;
 }
 
+static const double NO_WAKE[3] = {0.0, 0.0, 0.0};
+
 static inline __attribute__((always_inline)) int
 force_loop(cpl_t *cpl, cpl_particles *p, cpl_drag_law law, cpl_drag_range range, int sizes) {
   const double rho = cpl->fluid.density, mu = cpl->fluid.viscosity;
@@ -186,10 +195,11 @@ force_loop(cpl_t *cpl, cpl_particles *p, cpl_drag_law law, cpl_drag_range range,
     const double eps = cpl->eps.data[i], volume = cpl->volume.data[i];
     const double *superficial = cpl->superficial.data + 3 * (size_t)i;
     const double *constant = cpl->constant.data + 3 * (size_t)i;
+    const double *own = cpl->wake ? cpl->disturbance.data + 3 * (size_t)i : NO_WAKE;
     const double to_interstitial = 1.0 / eps;
     double u[3], slip2 = 0.0;
     for (int d = 0; d < 3; d++) {
-      u[d] = superficial[d] * to_interstitial;
+      u[d] = superficial[d] * to_interstitial - own[d];
       slip2 += (u[d] - v[d]) * (u[d] - v[d]);
     }
     const double slip = sqrt(slip2), d_i = 2.0 * drag_radius(cpl, p, i);
@@ -241,6 +251,8 @@ static int fluid_force(cpl_t *cpl, cpl_particles *particles) {
   cpl->outside = 0;
   PART_TRY(CPL_RESERVE(cpl->force, (size_t)cpl->count * CPL_FORCE_WIDTH));
   PART_TRY(CPL_RESERVE(cpl->force_id, cpl->count));
+  if (cpl->wake)
+    PART_TRY(cpl_wake_velocity(cpl, particles));
   PART_TRY(force_loops[cpl->params.drag](cpl, particles));
   if (cpl->count > 0)
     memcpy(cpl->force_id.data, cpl->id.data, (size_t)cpl->count * sizeof(int64_t));
@@ -253,6 +265,10 @@ int cpl_fluid_force(cpl_t *cpl, cpl_particles *particles) {
   const int status = fluid_force(cpl, particles);
   part_timers_stop(cpl->timers, cpl->stage[CPL_FORCE]);
   return status;
+}
+
+const double *cpl_own_disturbance(const cpl_t *cpl) {
+  return cpl->wake ? cpl->disturbance.data : NULL;
 }
 
 int64_t cpl_outside_range(const cpl_t *cpl) {

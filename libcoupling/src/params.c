@@ -7,6 +7,8 @@
 
 static const char *const models[] = {"A", "B", NULL};
 
+static const char *const smoothings[] = {"off", "diffusion", NULL};
+
 static const char *const void_fractions[] = {
 #define CPL_VOID_FRACTION(name, meaning) #name,
 #include "coupling/void_fractions.def"

@@ -10,7 +10,9 @@
 #include <math.h>
 #include <string.h>
 #include "coupling_type.h"
+#include "exchange.h"
 #include "match.h"
+#include "wake.h"
 #include "sphere.h"
 
 static const double ZERO[3] = {0.0, 0.0, 0.0};
@@ -55,8 +57,8 @@ static int divide(cpl_t *cpl, const double *drag, const double *volume) {
 }
 
 /* kick[view order] = shares of the reactions. */
-static int share_out(cpl_t *cpl, const cpl_particles *p, double *kick) {
-  PART_TRY(cpl_weights_sample(cpl->weights, 6, cpl->cell_work.data, cpl->particle_work.data));
+static int share_out(cpl_t *cpl, const cpl_particles *p, double dt, double *kick) {
+  PART_TRY(cpl_gather(cpl, 6, cpl->cell_work.data, cpl->particle_work.data));
   for (size_t i = 0; i < (size_t)cpl->count; i++)
     for (size_t d = 0; d < 3; d++)
       cpl->particle_work2.data[3 * i + d] =
@@ -70,6 +72,8 @@ static int share_out(cpl_t *cpl, const cpl_particles *p, double *kick) {
   PART_TRY(cpl_match_create(cpl->comm, cpl->count, cpl->id.data, p->count, cpl->id_work.data,
                             "since cpl_locate", &match));
   status = cpl_match_move(match, 3, cpl->particle_work2.data, kick);
+  if (status == PART_OK && cpl->wake)
+    status = cpl_wake_remember(cpl, p, match, dt);
   cpl_match_destroy(match);
   return status;
 }
@@ -140,7 +144,7 @@ static int reaction(cpl_t *cpl, const cpl_particles *particles, const double *dr
   if (status == PART_OK)
     status = divide(cpl, drag, volume);
   PART_TRY(cpl_agree(cpl, status));
-  PART_TRY(share_out(cpl, particles, kick));
+  PART_TRY(share_out(cpl, particles, dt, kick));
   double sum[TERMS] = {0.0};
   settle(cpl, particles, dt, kick, sum);
   close_budget(cpl, drag, volume, sum);

@@ -14,6 +14,7 @@
 #include <math.h>
 #include <string.h>
 #include "coupling_type.h"
+#include "exchange.h"
 #include "match.h"
 
 /* ---- orders --------------------------------------------------------------------------------- */
@@ -72,7 +73,7 @@ static double relaxed(double x) {
 static int sample_inverse_eps(cpl_t *cpl, const cpl_cells *cells) {
   for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++)
     cpl->cell_work.data[c] = 1.0 / cells->eps[c];
-  return cpl_weights_sample(cpl->weights, 1, cpl->cell_work.data, cpl->inverse_eps.data);
+  return cpl_gather(cpl, 1, cpl->cell_work.data, cpl->inverse_eps.data);
 }
 
 static int implicit_parts(cpl_t *cpl, double dt) {
@@ -151,7 +152,7 @@ static int momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells
     status = implicit_parts(cpl, dt);
   PART_TRY(cpl_agree(cpl, status));
   memset(cpl->cell_work.data, 0, 4 * n * sizeof(double));
-  PART_TRY(cpl_weights_deposit(cpl->weights, 4, cpl->particle_work2.data, cpl->cell_work.data));
+  PART_TRY(cpl_spread(cpl, 4, cpl->particle_work2.data, cpl->cell_work.data));
   write_source(cpl, cells);
   cpl->source_stamp = cpl->stamp;
   return PART_OK;

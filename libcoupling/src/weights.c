@@ -294,6 +294,32 @@ sample_rows(const cpl_weights *w, size_t n, const double *cell, const cpl_visit_
   }
 }
 
+static void moment_rows(const cpl_weights *w, const double *value, const cpl_visit_range *range) {
+  for (int k = 0; k < range->count; k++) {
+    double *sum = range->at + (size_t)(range->index ? range->index[k] : k) * CPL_MOMENTS;
+    const double *x = cpl_rendezvous_spheres(w->rendezvous) + 4 * (size_t)(range->first + k);
+    const int first = w->start.data[range->first + k], length = w->length.data[range->first + k];
+    for (int j = first; j < first + length; j++) {
+      const double *c = w->mesh->cell_centre + 3 * (size_t)w->list.cell[j];
+      const double weight = w->list.volume[j];
+      for (int d = 0; d < 3; d++) {
+        const double y = c[d] - x[d];
+        sum[d] += weight * y;
+        sum[3] += weight * y * y;
+      }
+      sum[4] += weight * value[w->list.cell[j]];
+    }
+  }
+}
+
+int cpl_weights_moments(cpl_weights *w, const double *value, double *moment) {
+  cpl_visit_range range[2];
+  PART_TRY(cpl_rendezvous_begin(w->rendezvous, CPL_MOMENTS, w->count, moment, range));
+  for (int k = 0; k < 2; k++)
+    moment_rows(w, value, &range[k]);
+  return cpl_rendezvous_end(w->rendezvous, CPL_MOMENTS, moment);
+}
+
 /* ROW with a constant width, so that its innermost loop is unrolled. */
 #define STAMPED(width)                                                                             \
   case width:                                                                                      \

@@ -23,5 +23,9 @@ int cpl_weights_locate(cpl_weights *weights, const cpl_particles *particles);
 int cpl_weights_deposit(cpl_weights *weights, int n, const double *value, double *cell);
 /* Collective. q_i = sum_c w_ic q_c; cell[cells][n], value[count][n]. */
 int cpl_weights_sample(cpl_weights *weights, int n, const double *cell, double *value);
+/* Collective. moment[count][CPL_MOMENTS] of the weights of each particle, with y the way from its
+ * centre to that of the cell: sum_c w_ic y (m), sum_c w_ic |y|^2 (m2), sum_c w_ic value_c. */
+enum { CPL_MOMENTS = 5 };
+int cpl_weights_moments(cpl_weights *weights, const double *value, double *moment);
 
 #endif

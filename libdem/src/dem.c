@@ -95,6 +95,7 @@ void dem_destroy(dem_t *dem) {
   free(dem->seed);
   dem_clumps_free(&dem->clumps);
   dem_clumps_free_seeds(&dem->clumps);
+  free(dem->carried.value);
   free(dem->block);
   free(dem->block_gravity);
   free(dem->mass_of);

@@ -5,7 +5,7 @@
 #include "internal.h"
 
 static const dem_carrier *const carriers[] = {&dem_walls_carrier, &dem_bonds_carrier,
-                                              &dem_clumps_carrier};
+                                              &dem_clumps_carrier, &dem_carried_carrier};
 enum { CARRIERS = sizeof carriers / sizeof carriers[0] };
 
 int dem_history_needed(const dem_t *dem) {

@@ -122,6 +122,11 @@ struct dem_t {
   dem_block *block;
   double *block_gravity; /* [blocks][materials] kg, mass of each material */
   dem_clumps clumps;
+  struct {         /* dem_carry */
+    int vectors;   /* per particle, 0: none */
+    int count;     /* particles in value */
+    double *value; /* [count][vectors][3] */
+  } carried;
 
   int started, restored;
   int restored_elsewhere; /* read on another number of ranks than wrote */
@@ -248,6 +253,7 @@ enum dem_key_kind {
   DEM_KEY_ROLL,  /* number: id of the partner; second half of a pair's data */
   DEM_KEY_BOND,  /* number: id of the partner * 256 + part */
   DEM_KEY_CLUMP, /* number: part */
+  DEM_KEY_CARRIED, /* number: of the vector */
 };
 #define DEM_KEY(kind, number) ((int64_t)(kind) << 56 | (int64_t)(number))
 #define DEM_KEY_KIND(key) ((int)((key) >> 56))
@@ -264,7 +270,10 @@ typedef struct dem_carrier {
   void (*count)(const dem_t *dem, int *count); /* add own entries of each own particle */
   dem_entry *(*put)(const dem_t *dem, int i, dem_entry *to); /* those of particle i; the end */
 } dem_carrier;
-extern const dem_carrier dem_walls_carrier, dem_bonds_carrier, dem_clumps_carrier;
+extern const dem_carrier dem_walls_carrier, dem_bonds_carrier, dem_clumps_carrier,
+    dem_carried_carrier;
+/* The carried vectors out of the payload (NULL: zeros), in the present order. */
+int dem_carried_list(dem_t *dem, const int *count, const void *payload);
 
 int dem_history_needed(const dem_t *dem); /* the same on every rank */
 int dem_history_gather(const dem_t *dem, int **count, void **payload);

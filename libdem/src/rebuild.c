@@ -58,6 +58,8 @@ static int make_lists(dem_t *dem, const int *count, const void *payload) {
     PART_TRY(dem_walls_list(dem, count, payload));
   if (dem->plan.clumps)
     PART_TRY(dem_clumps_list(dem, count, payload));
+  if (dem->carried.vectors > 0)
+    PART_TRY(dem_carried_list(dem, count, payload));
   return note_state(dem);
 }
 

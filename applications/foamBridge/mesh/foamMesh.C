@@ -2,8 +2,14 @@
 #include "foamMesh.H"
 
 #include "ListListOps.H"
+#include "coupledFvPatch.H"
 #include "cyclicPolyPatch.H"
+#include "foamParams.H"
+#include "fvMesh.H"
 #include "processorCyclicPolyPatch.H"
+#include "processorPolyPatch.H"
+
+#include <cstring>
 
 namespace Foam
 {
@@ -43,6 +49,71 @@ foamMesh::foamMesh(const fvMesh& mesh)
   view_.face_centre = reinterpret_cast<const double*>(mesh.faceCentres().cdata());
   view_.cell_centre = reinterpret_cast<const double*>(mesh.cellCentres().cdata());
   view_.volume = mesh.cellVolumes().cdata();
+  makeCoupled();
+}
+
+void foamMesh::makeCoupled()
+{
+  DynamicList<int> cells;
+  DynamicList<double> conductance;
+  coupledStart_.setSize(mesh_.boundary().size(), -1);
+  forAll(mesh_.boundary(), patchi)
+  {
+    const fvPatch& patch = mesh_.boundary()[patchi];
+    if (!patch.coupled()) continue;
+    coupledStart_[patchi] = cells.size();
+    const labelUList& faceCells = patch.faceCells();
+    const vectorField d(patch.delta());
+    forAll(faceCells, i)
+    {
+      cells.append(faceCells[i]);
+      conductance.append(max(patch.Sf()[i] & d[i], scalar(0))/magSqr(d[i]));
+    }
+  }
+  coupledCell_ = cells;
+  conductance_ = conductance;
+  coupled_.count = coupledCell_.size();
+  coupled_.cell = coupledCell_.cdata();
+  coupled_.conductance = conductance_.cdata();
+  coupled_.exchange = exchange;
+  coupled_.context = this;
+  view_.coupled = &coupled_;
+}
+
+/* Cyclic patches lie on this rank; for processor patches both ranks list the faces in one order. */
+int foamMesh::exchange(void* context, int n, const double* own, double* other)
+{
+  const foamMesh& self = *static_cast<const foamMesh*>(context);
+  const polyBoundaryMesh& patches = self.mesh_.boundaryMesh();
+  const label requests = UPstream::nRequests();
+  forAll(patches, patchi)
+  {
+    if (self.coupledStart_[patchi] < 0) continue;
+    const std::size_t size = std::size_t(patches[patchi].size())*n;
+    double* to = other + std::size_t(self.coupledStart_[patchi])*n;
+    if (isA<processorPolyPatch>(patches[patchi]))
+    {
+      const processorPolyPatch& patch = refCast<const processorPolyPatch>(patches[patchi]);
+      const double* from = own + std::size_t(self.coupledStart_[patchi])*n;
+      UIPstream::read
+      (
+        UPstream::commsTypes::nonBlocking, patch.neighbProcNo(), reinterpret_cast<char*>(to),
+        size*sizeof(double), patch.tag(), patch.comm()
+      );
+      UOPstream::write
+      (
+        UPstream::commsTypes::nonBlocking, patch.neighbProcNo(), reinterpret_cast<const char*>(from),
+        size*sizeof(double), patch.tag(), patch.comm()
+      );
+    }
+    else
+    {
+      const label partner = refCast<const cyclicPolyPatch>(patches[patchi]).neighbPatchID();
+      std::memcpy(to, own + std::size_t(self.coupledStart_[partner])*n, size*sizeof(double));
+    }
+  }
+  UPstream::waitRequests(requests);
+  return PART_OK;
 }
 
 part_box foamMesh::box(const polyMesh& mesh)

@@ -238,7 +238,7 @@ static word lastWritten(const Time& time)
 dem_t* createParticles
 (
   const polyMesh& mesh, const dictionary& properties, const part_box& box, const vector& gravity,
-  dem_params& params, bool& restarted
+  int carried, dem_params& params, bool& restarted
 )
 {
   part_params_default(&dem_params_table, &params);
@@ -256,6 +256,7 @@ dem_t* createParticles
   );
   dem_t* dem = nullptr;
   checkStatus(dem_create(particleCommunicator(), &box, &params, &dem), properties);
+  checkStatus(dem_carry(dem, carried), properties);
   addMaterials(dem, properties);
   addContacts(dem, properties);
   addBonds(dem, properties);

@@ -17,6 +17,13 @@ static IOdictionary readConstant(const fvMesh& mesh, const word& name)
   );
 }
 
+/* Vectors that particles carry for the coupling; asked before the dictionary is checked. */
+static int carriedVectors(const fvMesh& mesh)
+{
+  return readConstant(mesh, "couplingProperties").getOrDefault<Switch>("selfDisturbance", false)
+    ? CPL_MEMORY_VECTORS : 0;
+}
+
 static const double* data(const vectorField& field)
 {
   return reinterpret_cast<const double*>(field.cdata());
@@ -53,8 +60,9 @@ static bool anyMoves(part_store* s)
 }
 
 /* The particles of libdem, in the order they have now; without clumps. */
-static cpl_particles particleView(part_store* s)
+static cpl_particles particleView(dem_t* dem)
 {
+  part_store* s = dem_store(dem);
   cpl_particles v = cpl_particles();
   v.count = s->local;
   v.position = part_field_double(s, DEM_FIELD_POSITION);
@@ -76,12 +84,14 @@ static cpl_particles particleView(part_store* s)
   v.fluid_sp_stride = part_field_stride(s, DEM_FIELD_FLUID_SP);
   v.fluid_impulse = part_field_double(s, DEM_FIELD_FLUID_IMPULSE);
   v.fluid_impulse_stride = part_field_stride(s, DEM_FIELD_FLUID_IMPULSE);
+  v.memory = dem_carried(dem);
+  v.memory_stride = 3*CPL_MEMORY_VECTORS;
   return v;
 }
 
 particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
 :
-  system_(mesh, fluid.gravity),
+  system_(mesh, fluid.gravity, carriedVectors(mesh)),
   mesh_(mesh),
   fluid_(fluid),
   couplingDict_(readConstant(mesh, "couplingProperties")),
@@ -150,7 +160,7 @@ particlePhase::~particlePhase() { cpl_destroy(cpl_); }
 /* Members of clumps overlap: the fluid sees the sphere of their share of the volume. */
 void particlePhase::look()
 {
-  view_ = particleView(dem_store(dem_));
+  view_ = particleView(dem_);
   if (system_.state().clumps == 0) return;
   volumeRadius_.setSize(view_.count);
   dragRadius_.setSize(view_.count);

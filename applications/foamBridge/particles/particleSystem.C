@@ -10,7 +10,7 @@
 namespace Foam
 {
 
-particleSystem::particleSystem(const polyMesh& mesh, const vector& gravity)
+particleSystem::particleSystem(const polyMesh& mesh, const vector& gravity, int carried)
 :
   mesh_(mesh),
   dict_
@@ -23,7 +23,7 @@ particleSystem::particleSystem(const polyMesh& mesh, const vector& gravity)
   box_(foamMesh::box(mesh)),
   params_(),
   restarted_(false),
-  dem_(createParticles(mesh, dict_, box_, gravity, params_, restarted_)),
+  dem_(createParticles(mesh, dict_, box_, gravity, carried, params_, restarted_)),
   substeps_(0),
   files_(mesh.time()),
   state_(),

@@ -9,7 +9,8 @@
  *   eps_c   = 1 - sum_i w_ic V_i / V_c           void fraction
  *   q_i     = sum_c w_ic q_c                     sampled quantity
  *   Q_c     = sum_i w_ic Q_i                     deposited quantity
- * so sample and deposit are adjoint and every exchange is conservative.
+ * so sample and deposit are adjoint and every exchange is conservative. With smoothing, both go
+ * through the same symmetric kernel on the mesh as well (src/smoothing.h), and stay so.
  *
  * SI units; rho_f is the fluid density. Status returns as in particle/status.h. */
 #ifndef COUPLING_COUPLING_H
@@ -27,20 +28,35 @@ extern "C" {
 #endif
 
 /* ---- views ---------------------------------------------------------------------------------- */
+/* Boundary faces with a cell on the other side: cyclic, or another rank. */
+typedef struct cpl_coupled_faces {
+  int count;
+  const int *cell;           /* [count] on this side */
+  const double *conductance; /* [count] (S.d)/|d|^2 with d from centre to centre, m */
+  /* Collective. other[count][n] = own[count][n] of the same face seen from there. */
+  int (*exchange)(void *context, int n, const double *own, double *other);
+  void *context;
+} cpl_coupled_faces;
+
 /* The cells of this rank, as an OpenFOAM mesh stores them. Faces point from owner to neighbour
  * (outwards on the boundary); faces internal .. faces-1 are boundary faces of any kind. Not copied:
  * the arrays must stay until cpl_destroy. */
 typedef struct cpl_mesh {
   int points, faces, internal, cells;
-  const double *point;       /* [points][3], m */
-  const int *face_start;     /* [faces+1] into face_point */
-  const int *face_point;     /* corner points of each face, in order */
-  const int *owner;          /* [faces] */
-  const int *neighbour;      /* [internal] */
-  const double *face_centre; /* [faces][3], m: apex of the triangle fan of a warped face */
-  const double *cell_centre; /* [cells][3], m */
-  const double *volume;      /* [cells], m3 */
+  const double *point;              /* [points][3], m */
+  const int *face_start;            /* [faces+1] into face_point */
+  const int *face_point;            /* corner points of each face, in order */
+  const int *owner;                 /* [faces] */
+  const int *neighbour;             /* [internal] */
+  const double *face_centre;        /* [faces][3], m: apex of the triangle fan of a warped face */
+  const double *cell_centre;        /* [cells][3], m */
+  const double *volume;             /* [cells], m3 */
+  const cpl_coupled_faces *coupled; /* NULL: none, or smoothing is off */
 } cpl_mesh;
+
+/* selfDisturbance: vectors (m/s2 kg, forces) that the caller keeps for each particle, zero at
+ * first. cpl_reaction renews them, cpl_fluid_force reads them. */
+enum { CPL_MEMORY_VECTORS = 8 };
 
 /* Own particles of this rank, which need not be where the cells of this rank are. Strides in
  * doubles (int64 for id, kind). fluid_* are written by cpl_fluid_force. */
@@ -57,6 +73,7 @@ typedef struct cpl_particles {
   double *fluid_su;           int fluid_su_stride; /* N, 3 components */
   double *fluid_sp;           int fluid_sp_stride; /* kg/s */
   const double *fluid_impulse; int fluid_impulse_stride; /* N s received over the last advance */
+  double *memory;            int memory_stride; /* CPL_MEMORY_VECTORS * 3; selfDisturbance only */
 } cpl_particles;
 /* clang-format on */
 
@@ -85,14 +102,18 @@ typedef enum {
 } cpl_model; /* Feng and Yu 2004; momentum scheme (2), (9) */
 
 typedef struct cpl_params {
-  int model;             /* A | B */
-  int void_fraction;     /* row of coupling/void_fractions.def: exact | subCell | centre */
-  int64_t sub_cells;     /* N of subCell, default 40: N^3 per cell */
-  double minimum_eps;    /* a cell below it is an error that names cell and entry; default 0.05 */
-  int drag;              /* row of coupling/drag_laws.def */
-  int pressure_gradient; /* 1: force -V grad p (model A only; in B it is part of the drag) */
-  int viscous_stress;    /* 1: force V div tau */
-  int two_way;           /* 0: the fluid does not feel the particles (eps = 1, no source) */
+  int model;              /* A | B */
+  int void_fraction;      /* row of coupling/void_fractions.def: exact | subCell | centre */
+  int64_t sub_cells;      /* N of subCell, default 40: N^3 per cell */
+  double minimum_eps;     /* a cell below it is an error that names cell and entry; default 0.05 */
+  int smoothing;          /* off | diffusion, of everything exchanged */
+  double bandwidth;       /* b of its kernel exp(-r^2/b^2), in diameters of the largest sphere */
+  double bandwidth_cells; /* b is at least so many cells (cube root of the volume) */
+  int self_disturbance;   /* 1: drag on the velocity without what own drag has added to it */
+  int drag;               /* row of coupling/drag_laws.def */
+  int pressure_gradient;  /* 1: force -V grad p (model A only; in B it is part of the drag) */
+  int viscous_stress;     /* 1: force V div tau */
+  int two_way;            /* 0: the fluid does not feel the particles (eps = 1, no source) */
 } cpl_params;
 extern const part_param_table cpl_params_table;
 
@@ -162,6 +183,9 @@ int cpl_get_budget(const cpl_t *cpl, cpl_budget *budget); /* after cpl_reaction 
 int cpl_deposit(cpl_t *cpl, int n, const double *value, double *cell);
 /* Collective. cell[cells][n] -> value[count][n]. */
 int cpl_sample(cpl_t *cpl, int n, const double *cell, double *value);
+/* Velocity that its own drag has given to the fluid at each particle, [count][3], m/s: what the
+ * last cpl_fluid_force took away. NULL: selfDisturbance off. */
+const double *cpl_own_disturbance(const cpl_t *cpl);
 /* Sampled values of the last cpl_sample_fluid, [count], [count][3]. */
 const double *cpl_sampled_eps(const cpl_t *cpl);
 const double *cpl_sampled_superficial(const cpl_t *cpl);

@@ -250,6 +250,12 @@ int dem_advance(dem_t *dem, double dt, int *substeps);
  * over dem_advance; field FLUID_IMPULSE (N s) is what the particle received from it, summed over
  * the substeps of the last dem_advance to round-off: sum m dv = contact + gravity + this. */
 part_store *dem_store(dem_t *dem);
+/* Vectors that each particle carries for its user (the coupling's memory of forces): they are zero at
+ * first, then go wherever their particle goes, also to another rank and through restart files, and
+ * libdem does not look at them. dem_carry before dem_start, the same on every rank; dem_carried is
+ * [own particles][vectors][3] in the present order (dem_generation), NULL before dem_start. */
+int dem_carry(dem_t *dem, int vectors);
+double *dem_carried(dem_t *dem);
 /* Counts calls that changed the order of own particles, for caches outside. */
 long long dem_generation(const dem_t *dem);
 

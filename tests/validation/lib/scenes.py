@@ -43,4 +43,10 @@ def free(path, **more):
                    **dict({'dt': 1e-3, 'end': 0.03, 'contact': {'normalStiffness': 200.0, 'friction': 0.3}}, **more))
 
 
-SCENES = {'fixed': fixed, 'settling': settling, 'free': free, 'tets': tets}
+def smooth(path, coupling=None, **more):
+    """The free spheres with everything exchanged through a smooth kernel, and without their own disturbance."""
+    return free(path, coupling=dict({'smoothing': 'diffusion', 'bandwidth': 2.0, 'selfDisturbance': True}, **(coupling or {})),
+                **more)
+
+
+SCENES = {'fixed': fixed, 'settling': settling, 'free': free, 'tets': tets, 'smooth': smooth}
