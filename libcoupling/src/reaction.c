@@ -144,6 +144,8 @@ static int reaction(cpl_t *cpl, const cpl_particles *particles, const double *dr
   if (status == PART_OK)
     status = divide(cpl, drag, volume);
   PART_TRY(cpl_agree(cpl, status));
+  if (cpl->wake)
+    PART_TRY(cpl_wake_spread(cpl)); /* the particles have moved since cpl_sample_fluid */
   PART_TRY(share_out(cpl, particles, dt, kick));
   double sum[TERMS] = {0.0};
   settle(cpl, particles, dt, kick, sum);
