@@ -89,15 +89,17 @@ static void one_repeat(dem_t *dem, scene what, int steps) {
   time[0] = processor_time() - time[0];
   time[1] = clock_now() - time[1];
   time[2] = time[0] - (time[2] + waited);
+  double share = time[0] / time[1];
   bytes = bytes_sent - bytes;
   check(dem_get_report(dem, &after));
   MPI_Allreduce(MPI_IN_PLACE, time, 3, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  MPI_Allreduce(MPI_IN_PLACE, &share, 1, MPI_DOUBLE, MPI_MIN, MPI_COMM_WORLD);
   MPI_Allreduce(MPI_IN_PLACE, &bytes, 1, MPI_DOUBLE, MPI_SUM, MPI_COMM_WORLD);
   MPI_Comm_rank(MPI_COMM_WORLD, &rank);
   if (rank == 0)
-    printf("steps %lld %lld %lld %.6f %.6f %.6f %.0f\n", (long long)after.particles,
+    printf("steps %lld %lld %lld %.6f %.6f %.6f %.3f %.0f\n", (long long)after.particles,
            after.substeps - before.substeps, after.rebuilds - before.rebuilds, time[0], time[1],
-           time[2], bytes);
+           time[2], share, bytes);
   fflush(stdout);
 }
 

@@ -72,10 +72,10 @@ def write_peer_data(source, target, scene, nx, ny):
 
 
 def ours(options, name, path, width, before=(), steps=None):
-    """particles, steps, seconds: processor, wall, processor without waiting; bytes; whole output."""
+    """particles, steps, seconds: processor, wall, processor without waiting; share; bytes; whole output."""
     scene, nx, ny, usual = SCENES[name][:4]
     text, _ = run(*before, options.program, "run", scene, path, 1, steps or usual, width, nx, ny)
-    values = re.search(r"^steps" + r" (\S+)" * 7, text, re.M).groups()
+    values = re.search(r"^steps" + r" (\S+)" * 8, text, re.M).groups()
     return [float(v) for k, v in enumerate(values) if k != 2], text
 
 
@@ -122,18 +122,18 @@ def one_core(options, name, path):
 
 
 def two_ranks(options, name, path):
-    """Rate of two ranks, over that of one just before; the share of a core that the ranks had; the same ratio without
+    """Rate of two ranks, over that of one just before; the share of a core that each rank had at least; the same ratio without
     what a rank waited for the other, which does not depend on free cores; bytes that both sent, per step."""
     rates, ratios, shares, works, sent = [], [], [], [], 0.0
     for _ in range(options.rounds):
-        (particles, steps, _, alone, work, _), _ = ours(options, name, path, options.width, steps=600)
-        (_, _, used, both, half, sent), _ = ours(options, name, path, options.width, ("mpirun", "-np", 2), steps=600)
+        (particles, steps, _, alone, work, _, _), _ = ours(options, name, path, options.width, steps=600)
+        (_, _, _, both, half, share, sent), _ = ours(options, name, path, options.width, ("mpirun", "-np", 2), steps=600)
         rates.append(particles * steps / both)
         ratios.append(alone / both)
-        shares.append(used / both)
+        shares.append(share)
         works.append(work / half)
         print(f"{name} two ranks: {both:.3f} s on the wall, {half:.3f} s of work, one rank {alone:.3f} s, {work:.3f} s; "
-              f"a rank had {shares[-1]:.2f} of a core", flush=True)
+              f"each rank had {share:.2f} of a core", flush=True)
     print(f"metric dem.{name}.ranks2 {statistics.median(rates):.4g} 1/s")
     print(f"metric dem.{name}.ranks2Ratio {statistics.median(ratios):.3g} -")
     print(f"metric dem.{name}.ranks2WorkRatio {statistics.median(works):.3g} -")
