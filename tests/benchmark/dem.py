@@ -143,11 +143,10 @@ def two_ranks(options, name, path):
 
 def instructions(options, name, path):
     """Instructions of a particle-step on one rank, counted by valgrind: a run of 300 steps less one of 100; AVX2."""
-    counts = []
+    counts, count = [], ("valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null")
     for steps in (100, 300):
-        (particles, *_), text = ours(
-            options, name, path, 4, ("valgrind", "--tool=none", "--stats=yes"), steps=steps)
-        counts.append(int(re.search(r"guest_insns\D*([\d,]+)", text).group(1).replace(",", "")))
+        (particles, *_), text = ours(options, name, path, 4, count, steps)
+        counts.append(int(re.search(r"Collected : (\d+)", text).group(1)))
     print(f"metric dem.{name}.instructions {(counts[1] - counts[0]) / (200 * particles):.4g} -", flush=True)
 
 

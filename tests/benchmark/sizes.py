@@ -43,8 +43,8 @@ def instructions(options, scene, ratio, path):
     """Instructions of a particle-step: a run of 300 steps less one of 100."""
     counts = []
     for steps in (100, 300):
-        text = run("valgrind", "--tool=none", "--stats=yes", options.program, "run", scene, ratio, path, 1, steps, 4)
-        counts.append(int(re.search(r"guest_insns\D*([\d,]+)", text).group(1).replace(",", "")))
+        text = run("valgrind", "--tool=callgrind", "--callgrind-out-file=/dev/null", options.program, "run", scene, ratio, path, 1, steps, 4)
+        counts.append(int(re.search(r"Collected : (\d+)", text).group(1)))
     return (counts[1] - counts[0]) / (200 * 100000)
 
 
