@@ -67,15 +67,12 @@ SPH_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
 /* Force of a block over V_i V_j slope, along d: S.7, S.9, S.10; and S.8 along u. */
 SPH_LANES void force_of(const sph_lanes *in, const vec d[3], const vec u[3], vec d2, vec pressure,
                         vec eps, vec *along_d, vec *along_u) {
-  const vec soft = d2 + vec_all(0.01 * in->h * in->h);
   *along_d = -pressure;
-  *along_u = vec_all(0.0);
-  if (in->viscosity > 0.0)
-    *along_u = 2.0 * in->viscosity * eps * (d2 / soft);
+  *along_u = 2.0 * in->viscosity * eps;
   if (in->monaghan > 0.0 || in->artificial > 0.0) {
     const vec w = d[0] * u[0] + d[1] * u[1] + d[2] * u[2];
     const vec approach = vec_min(w, vec_all(0.0));
-    *along_d += in->artificial * eps * approach / soft;
+    *along_d += in->artificial * eps * approach / (d2 + vec_all(0.01 * in->h * in->h));
     if (in->monaghan > 0.0) {
       const vec per_r = 1.0 / vec_sqrt(vec_max(d2, vec_all(1e-12 * in->h * in->h)));
       const vec speed = vec_max(w, -w) * per_r + in->sound_speed;

@@ -81,7 +81,7 @@ static void viscous(const sph_t *sph, const double d[3], const double u[3], doub
   *along_u = 0.0;
   *along_d = p->density * p->artificial_viscosity * p->sound_speed * h * fmin(approach, 0.0) / soft;
   if (p->viscosity_model == SPH_MORRIS) {
-    *along_u = 2.0 * p->viscosity * d2 / soft;
+    *along_u = 2.0 * p->viscosity;
   } else if (p->viscosity > 0.0) {
     const double per_r = 1.0 / sqrt(d2);
     *along_d += p->density * sph->monaghan * (p->sound_speed + fabs(w) * per_r) * w * per_r;

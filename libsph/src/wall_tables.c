@@ -25,8 +25,8 @@ static void add_point(const sph_t *sph, double depth, double distance, double ac
   sum[SPH_TABLE_GRADIENT_DEPTH] += f * down * depth;
   sum[SPH_TABLE_NORMAL] += f * down * down;
   sum[SPH_TABLE_ACROSS] += f * one2;
-  sum[SPH_TABLE_VISCOUS] += f * d2 / soft;
-  sum[SPH_TABLE_VISCOUS_DEPTH] += f * d2 / soft * depth;
+  sum[SPH_TABLE_VISCOUS] += f;
+  sum[SPH_TABLE_VISCOUS_DEPTH] += f * depth;
   sum[SPH_TABLE_APPROACH] += f * down * down / soft;
   sum[SPH_TABLE_SHADE] += norm * sph_shape(sph->params.kernel, q);
 }

@@ -45,8 +45,8 @@ enum sph_table {
   SPH_TABLE_GRADIENT_DEPTH, /* f down depth */
   SPH_TABLE_NORMAL,         /* f down^2 */
   SPH_TABLE_ACROSS,         /* f t^2 */
-  SPH_TABLE_VISCOUS,        /* f r^2/(r^2 + 0.01 h^2) */
-  SPH_TABLE_VISCOUS_DEPTH,  /* the same times depth */
+  SPH_TABLE_VISCOUS,        /* f */
+  SPH_TABLE_VISCOUS_DEPTH,  /* f depth */
   SPH_TABLE_APPROACH,       /* f down^2/(r^2 + 0.01 h^2) */
   SPH_TABLE_SHADE,          /* V W */
   SPH_TABLE_COUNT
