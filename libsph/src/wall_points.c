@@ -92,12 +92,14 @@ static double solid_share(const sph_t *sph, const sph_seer *s, const double r[3]
     const double y[3] = {s->x[0] + r[0], s->x[1] + r[1], s->x[2] + r[2]};
     *face = sph_faces_nearest(&sph->walls, s->count, s->near, y, &distance);
   }
-  *behind = fmax(-distance, 0.0);
-  return fmin(fmax(0.5 - distance / sph->params.spacing, 0.0), 1.0);
+  const double share = 0.5 - distance / sph->params.spacing;
+  *behind = distance < 0.0 ? -distance : 0.0;
+  return share < 0.0 ? 0.0 : share < 1.0 ? share : 1.0;
 }
 
 double sph_walls_mirror(const sph_t *sph, double behind, double distance) {
-  return 1.0 + behind / fmax(distance, nearest_mirror * sph->params.spacing);
+  const double least = nearest_mirror * sph->params.spacing;
+  return 1.0 + behind / (distance > least ? distance : least);
 }
 
 /* Eq. 26 for a point behind one side or, in a corner, several: each mirrors its own normal part of the
@@ -110,7 +112,7 @@ static void mirror_sides(const sph_t *sph, const sph_seer *s, const double r[3],
   q[0] = q[1] = q[2] = 0.0;
   for (int k = 0; k < s->sides; k++) {
     const sph_side *one = &s->side[k];
-    const double behind = -(one->distance + dot(one->n, r));
+    const double along = dot(one->n, r), behind = -(one->distance + along);
     double m[3] = {one->n[0], one->n[1], one->n[2]};
     if (behind <= 0.0)
       continue;
@@ -120,7 +122,8 @@ static void mirror_sides(const sph_t *sph, const sph_seer *s, const double r[3],
       for (int c = 0; c < 3; c++)
         m[c] -= part * before[b][c];
     }
-    const double weight = sph_walls_mirror(sph, behind, one->distance) * dot(m, r);
+    const double weight =
+        sph_walls_mirror(sph, behind, one->distance) * (n > 0 ? dot(m, r) : along);
     for (int c = 0; c < 3; c++) {
       q[c] += weight * m[c];
       before[n][c] = m[c];
@@ -153,30 +156,44 @@ static void plane_point(const sph_t *sph, const sph_seer *s, const lattice *l, d
     p->q[c] = -p->mirror * (depth + s->distance) * l->n[c];
 }
 
+/* Points of row a of a layer at a depth, behind `n` others; `left`: reach^2 less the squares of down and of
+ * the row's distance. Returns how many there are now. */
+static int make_row(const sph_t *sph, const sph_seer *s, const lattice *l, double depth, int a,
+                    double left, int n) {
+  const double dx = sph->params.spacing, down = depth + s->distance;
+  const int across = l->across[1] > 0 ? (int)(sqrt(left) / dx) : 0;
+  double foot[3];
+  for (int c = 0; c < 3; c++)
+    foot[c] = -down * l->n[c] + dx * a * l->t[0][c];
+  for (int b = -across; b <= across; b++) {
+    sph_point *p = &sph->walls.point[n];
+    for (int c = 0; c < 3; c++)
+      p->r[c] = foot[c] + dx * b * l->t[1][c];
+    if (s->alone)
+      plane_point(sph, s, l, depth, p);
+    else if (!general_point(sph, s, p->r, p))
+      continue;
+    n++;
+  }
+  return n;
+}
+
 /* Ghost points within the support; returns how many. Layers at depths (k + 1/2) dx below the wall, from
  * the top of the support where another wall may be met, to its bottom. */
-static int make_points(const sph_t *sph, const sph_seer *s, sph_point *point) {
+static int make_points(const sph_t *sph, const sph_seer *s) {
   const double dx = sph->params.spacing, reach2 = sph->reach * sph->reach;
   const int first = s->alone ? 0 : (int)floor((-sph->reach - s->distance) / dx - 0.5);
   lattice l;
   int n = 0;
   make_lattice(sph, s, &l);
-  for (int k = first; (k + 0.5) * dx + s->distance < sph->reach; k++)
-    for (int a = -l.across[0]; a <= l.across[0]; a++)
-      for (int b = -l.across[1]; b <= l.across[1]; b++) {
-        const double depth = (k + 0.5) * dx, down = depth + s->distance;
-        const double left = reach2 - down * down - dx * dx * (a * a + b * b);
-        sph_point *p = &point[n];
-        if (!(left > 0.0))
-          continue;
-        for (int c = 0; c < 3; c++)
-          p->r[c] = -down * l.n[c] + dx * (a * l.t[0][c] + b * l.t[1][c]);
-        if (s->alone)
-          plane_point(sph, s, &l, depth, p);
-        else if (!general_point(sph, s, p->r, p))
-          continue;
-        n++;
-      }
+  for (int k = first; (k + 0.5) * dx + s->distance < sph->reach; k++) {
+    const double depth = (k + 0.5) * dx, down = depth + s->distance;
+    for (int a = -l.across[0]; a <= l.across[0]; a++) {
+      const double left = reach2 - down * down - dx * dx * a * a;
+      if (left > 0.0)
+        n = make_row(sph, s, &l, depth, a, left, n);
+    }
+  }
   return n;
 }
 
@@ -215,5 +232,5 @@ int sph_walls_see(sph_t *sph, int row, sph_seer *s) {
 
 int sph_walls_points(sph_t *sph, sph_seer *s) {
   find_sides(sph, s);
-  return make_points(sph, s, sph->walls.point);
+  return make_points(sph, s);
 }

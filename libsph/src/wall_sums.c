@@ -79,7 +79,7 @@ static void viscous(const sph_t *sph, const double d[3], const double u[3], doub
   const sph_params *p = &sph->params;
   const double h = p->smoothing_length, d2 = dot(d, d), soft = d2 + 0.01 * h * h, w = dot(d, u);
   *along_u = 0.0;
-  *along_d = p->density * p->artificial_viscosity * p->sound_speed * h * fmin(approach, 0.0) / soft;
+  *along_d = p->density * p->artificial_viscosity * p->sound_speed * h * (approach < 0.0 ? approach : 0.0) / soft;
   if (p->viscosity_model == SPH_MORRIS) {
     *along_u = 2.0 * p->viscosity;
   } else if (p->viscosity > 0.0) {
