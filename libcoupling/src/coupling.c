@@ -107,6 +107,10 @@ void cpl_destroy(cpl_t *cpl) {
   CPL_FREE(cpl->eps);
   CPL_FREE(cpl->superficial);
   CPL_FREE(cpl->constant);
+  CPL_FREE(cpl->curl);
+  CPL_FREE(cpl->turning);
+  CPL_FREE(cpl->extra);
+  CPL_FREE(cpl->extra_cell);
   CPL_FREE(cpl->inverse_eps);
   CPL_FREE(cpl->mean_d);
   CPL_FREE(cpl->spread);
@@ -333,6 +337,8 @@ int cpl_plan_text(const cpl_t *cpl, size_t size, char *text) {
     line(size, text, "smoothing of what is exchanged", "smoothing off", "its passes over the mesh");
   if (!p->self_disturbance)
     line(size, text, "memory of own forces", "selfDisturbance off", "8 vectors per particle");
+  if (!p->saffman_lift && !p->magnus_lift && !p->rotational_drag)
+    line(size, text, "lift and turning drag", "all of them off", "sampling of 3 components");
   if (!p->two_way)
     line(size, text, "momentum source and reaction", "twoWay off", "one deposit and one sample");
   if (p->model == CPL_MODEL_B)

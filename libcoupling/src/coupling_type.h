@@ -18,7 +18,8 @@ enum cpl_force_state {
   CPL_FORCE_EPS = 1,      /* eps at the particle */
   CPL_FORCE_U = 2,        /* [3] superficial velocity, m/s */
   CPL_FORCE_CONSTANT = 5, /* [3] part of Su that is not drag, N */
-  CPL_FORCE_WIDTH = 8
+  CPL_FORCE_EXTRA = 8,    /* [3] lift, part of Su too, N */
+  CPL_FORCE_WIDTH = 11
 };
 
 struct cpl_t {
@@ -50,6 +51,10 @@ struct cpl_t {
   CPL_ARRAY(double) inverse_eps; /* [count] sum_c w_ic/eps_c, model B only */
   CPL_ARRAY(double) eps;         /* [count] sampled */
   CPL_ARRAY(double) superficial; /* [count][3] sampled */
+  CPL_ARRAY(double) curl;        /* [count][3] sampled, 1/s; lift, turning */
+  CPL_ARRAY(double) turning;     /* [count][4] see cpl_turning */
+  CPL_ARRAY(double) extra;       /* [count][3] N, extra forces as located; lift only */
+  CPL_ARRAY(double) extra_cell;  /* [cells][3] N, their deposit */
   CPL_ARRAY(double) constant;    /* [count][3] grad p and div tau forces, N */
   CPL_ARRAY(double) spread;      /* [count] m2, variance of the kernel per axis; selfDisturbance */
   CPL_ARRAY(double) disturbance; /* [count][3] m/s; selfDisturbance */

@@ -19,6 +19,7 @@
 #include <string.h>
 #include "coupling_type.h"
 #include "exchange.h"
+#include "extra.h"
 #include "drag/laws.h"
 #include "sphere.h"
 #include "wake.h"
@@ -75,17 +76,24 @@ static int check_cells(const cpl_t *cpl, const cpl_cells *cells) {
   if (cpl->params.viscous_stress && !cells->stress_divergence)
     return part_fail(PART_ERR_ARGUMENT,
                      "cpl_sample_fluid: viscousStress is on, but stress_divergence is NULL");
+  if (cpl_uses_curl(&cpl->params) && !cells->curl)
+    return part_fail(PART_ERR_ARGUMENT,
+                     "cpl_sample_fluid: lift or rotationalDrag is on, but curl is NULL");
   return PART_OK;
 }
 
-/* One row per cell: eps, U, then -grad p and div tau where used; model B: 1/eps last. */
+/* One row per cell: eps, U, curl u where used, then -grad p and div tau where used; model B: 1/eps
+ * last. */
 static void gather_cells(cpl_t *cpl, const cpl_cells *cells, size_t n) {
   const int pressure = uses_pressure(cpl), stress = cpl->params.viscous_stress;
+  const int curl = cpl_uses_curl(&cpl->params);
   for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
     double *row = cpl->cell_work.data + c * n;
     *row++ = cells->eps[c];
     for (size_t d = 0; d < 3; d++)
       *row++ = cells->superficial[3 * c + d];
+    for (size_t d = 0; curl && d < 3; d++)
+      *row++ = cells->curl[3 * c + d];
     for (size_t d = 0; pressure && d < 3; d++)
       *row++ = -cells->pressure_gradient[3 * c + d];
     for (size_t d = 0; stress && d < 3; d++)
@@ -97,17 +105,19 @@ static void gather_cells(cpl_t *cpl, const cpl_cells *cells, size_t n) {
 
 static void scatter_particles(cpl_t *cpl, size_t n) {
   const int model_b = cpl->params.model == CPL_MODEL_B;
-  const size_t last = n - (model_b ? 1 : 0);
+  const size_t last = n - (model_b ? 1 : 0), others = cpl_uses_curl(&cpl->params) ? 7 : 4;
   for (size_t i = 0; i < (size_t)cpl->count; i++) {
     const double *row = cpl->particle_work.data + i * n;
     cpl->eps.data[i] = row[0];
     memcpy(cpl->superficial.data + 3 * i, row + 1, 3 * sizeof *row);
     if (model_b)
       cpl->inverse_eps.data[i] = row[last];
+    if (others > 4)
+      memcpy(cpl->curl.data + 3 * i, row + 4, 3 * sizeof *row);
     double *constant = cpl->constant.data + 3 * i;
     for (size_t d = 0; d < 3; d++) {
       constant[d] = 0.0;
-      for (size_t k = 4 + d; k < last; k += 3)
+      for (size_t k = others + d; k < last; k += 3)
         constant[d] += row[k];
       constant[d] *= cpl->volume.data[i];
     }
@@ -115,8 +125,9 @@ static void scatter_particles(cpl_t *cpl, size_t n) {
 }
 
 static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_cells *cells) {
-  const int n = 4 + 3 * (uses_pressure(cpl) != 0) + 3 * (cpl->params.viscous_stress != 0) +
-                (cpl->params.model == CPL_MODEL_B);
+  const int curl = cpl_uses_curl(&cpl->params);
+  const int n = 4 + 3 * (curl != 0) + 3 * (uses_pressure(cpl) != 0) +
+                3 * (cpl->params.viscous_stress != 0) + (cpl->params.model == CPL_MODEL_B);
   const size_t count = (size_t)particles->count;
   int status = cpl_check_order(cpl, particles, "cpl_sample_fluid");
   if (status == PART_OK)
@@ -131,6 +142,8 @@ static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_ce
     status = CPL_RESERVE(cpl->superficial, 3 * count);
   if (status == PART_OK)
     status = CPL_RESERVE(cpl->constant, 3 * count);
+  if (status == PART_OK && curl)
+    status = CPL_RESERVE(cpl->curl, 3 * count);
   if (status == PART_OK && cpl->params.model == CPL_MODEL_B)
     status = CPL_RESERVE(cpl->inverse_eps, count);
   PART_TRY(cpl_agree(cpl, status));
@@ -224,6 +237,7 @@ force_loop(cpl_t *cpl, cpl_particles *p, cpl_drag_law law, cpl_drag_range range,
     p->fluid_sp[(size_t)i * (size_t)p->fluid_sp_stride] = beta;
     state[CPL_FORCE_SP] = beta;
     state[CPL_FORCE_EPS] = eps;
+    state[CPL_FORCE_EXTRA] = state[CPL_FORCE_EXTRA + 1] = state[CPL_FORCE_EXTRA + 2] = 0.0;
   }
   return PART_OK;
 }
@@ -254,6 +268,8 @@ static int fluid_force(cpl_t *cpl, cpl_particles *particles) {
   if (cpl->wake)
     PART_TRY(cpl_wake_velocity(cpl, particles));
   PART_TRY(force_loops[cpl->params.drag](cpl, particles));
+  if (cpl_uses_curl(&cpl->params))
+    PART_TRY(cpl_extra_forces(cpl, particles));
   if (cpl->count > 0)
     memcpy(cpl->force_id.data, cpl->id.data, (size_t)cpl->count * sizeof(int64_t));
   cpl->force_count = cpl->count;

@@ -4,6 +4,9 @@
  *
  *   kick_i = b_i sum_c w_ic R_c/S_c + V_i sum_c w_ic Q_c/s_c - (impulse_i - buoyancy_i dt)
  *
+ * Extra forces F_i (lift), which the fluid got back as they are, are taken out of R_c by their
+ * deposit and added to the kick as F_i dt: what is shared is drag alone.
+ *
  * with R, Q the reactions through drag and through pressure and stress, S_c = sum_i w_ic b_i and
  * s_c = sum_i w_ic V_i. The sum over particles gives every R_c and Q_c exactly once. Buoyancy
  * -rho_f V g is known on both sides and is no part of the reactions. */
@@ -11,6 +14,7 @@
 #include <string.h>
 #include "coupling_type.h"
 #include "exchange.h"
+#include "extra.h"
 #include "match.h"
 #include "wake.h"
 #include "sphere.h"
@@ -35,9 +39,13 @@ static int bad_cell(const cpl_t *cpl, size_t c, int status, const char *what, co
 
 /* cell_work[cells][6] = R/S and Q/s. Drag in a cell whose particles have no drag coefficient (all
  * b_i = 0) is shared by volume. */
-static int divide(cpl_t *cpl, const double *drag, const double *volume) {
+static int divide(cpl_t *cpl, const double *drag, const double *volume, double dt) {
+  const int extra = cpl_uses_extra(&cpl->params);
   for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
-    const double *r = drag ? drag + 3 * c : ZERO, *q = volume ? volume + 3 * c : ZERO;
+    const double *q = volume ? volume + 3 * c : ZERO;
+    double r[3];
+    for (size_t d = 0; d < 3; d++)
+      r[d] = (drag ? drag[3 * c + d] : 0.0) - (extra ? cpl->extra_cell.data[3 * c + d] * dt : 0.0);
     double *row = cpl->cell_work.data + 6 * c;
     memset(row, 0, 6 * sizeof *row);
     if (!finite3(r) || !finite3(q))
@@ -58,12 +66,14 @@ static int divide(cpl_t *cpl, const double *drag, const double *volume) {
 
 /* kick[view order] = shares of the reactions. */
 static int share_out(cpl_t *cpl, const cpl_particles *p, double dt, double *kick) {
+  const int extra = cpl_uses_extra(&cpl->params);
   PART_TRY(cpl_gather(cpl, 6, cpl->cell_work.data, cpl->particle_work.data));
   for (size_t i = 0; i < (size_t)cpl->count; i++)
     for (size_t d = 0; d < 3; d++)
       cpl->particle_work2.data[3 * i + d] =
           cpl->implicit.data[i] * cpl->particle_work.data[6 * i + d] +
-          cpl->volume.data[i] * cpl->particle_work.data[6 * i + 3 + d];
+          cpl->volume.data[i] * cpl->particle_work.data[6 * i + 3 + d] +
+          (extra ? cpl->extra.data[3 * i + d] * dt : 0.0);
   int status = CPL_RESERVE(cpl->id_work, p->count);
   PART_TRY(cpl_agree(cpl, status));
   for (int i = 0; i < p->count; i++)
@@ -142,7 +152,7 @@ static int reaction(cpl_t *cpl, const cpl_particles *particles, const double *dr
   if (status == PART_OK)
     status = CPL_RESERVE(cpl->particle_work2, 3 * (size_t)cpl->count);
   if (status == PART_OK)
-    status = divide(cpl, drag, volume);
+    status = divide(cpl, drag, volume, dt);
   PART_TRY(cpl_agree(cpl, status));
   if (cpl->wake)
     PART_TRY(cpl_wake_spread(cpl)); /* the particles have moved since cpl_sample_fluid */

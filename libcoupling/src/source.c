@@ -9,12 +9,16 @@
  * by b_i dU, what a particle takes that relaxes towards the new velocity: never more than m_i du.
  * The difference between what the fluid then really gave and J_i is the particle's kick.
  *
+ * J_i holds the extra forces too (lift), so G gives them back to the cells; extra_cell is how much
+ * of it, for cpl_reaction.
+ *
  * Model B: the momentum of a sphere goes to its cells as w_ic/eps_c, see forces.c; with
  * e_i = sum_c w_ic/eps_c, D_c = sum_i w_ic b_i/(e_i eps_c V_c), and G_c likewise. */
 #include <math.h>
 #include <string.h>
 #include "coupling_type.h"
 #include "exchange.h"
+#include "extra.h"
 #include "match.h"
 
 /* ---- orders --------------------------------------------------------------------------------- */
@@ -102,6 +106,28 @@ static int implicit_parts(cpl_t *cpl, double dt) {
   return PART_OK;
 }
 
+/* Extra forces and their deposit; particle_work holds the force states. */
+static int deposit_extra(cpl_t *cpl, const cpl_cells *cells) {
+  const int model_b = cpl->params.model == CPL_MODEL_B;
+  const size_t n = 3 * (size_t)cpl->mesh.cells, count = (size_t)cpl->count;
+  int status = CPL_RESERVE(cpl->extra, 3 * count);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->extra_cell, n);
+  PART_TRY(cpl_agree(cpl, status));
+  double *part = cpl->particle_work.data; /* packed in place: 3 of CPL_FORCE_WIDTH */
+  for (size_t i = 0; i < count; i++)
+    for (size_t d = 0; d < 3; d++) {
+      const double force = cpl->particle_work.data[i * CPL_FORCE_WIDTH + CPL_FORCE_EXTRA + d];
+      cpl->extra.data[3 * i + d] = force;
+      part[3 * i + d] = model_b ? force / cpl->inverse_eps.data[i] : force;
+    }
+  memset(cpl->extra_cell.data, 0, n * sizeof *cpl->extra_cell.data);
+  PART_TRY(cpl_spread(cpl, 3, part, cpl->extra_cell.data));
+  for (size_t k = 0; model_b && k < n; k++)
+    cpl->extra_cell.data[k] /= cells->eps[k / 3];
+  return PART_OK;
+}
+
 static void write_source(cpl_t *cpl, cpl_cells *cells) {
   const int model_b = cpl->params.model == CPL_MODEL_B;
   for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
@@ -151,6 +177,8 @@ static int momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells
   if (status == PART_OK)
     status = implicit_parts(cpl, dt);
   PART_TRY(cpl_agree(cpl, status));
+  if (cpl_uses_extra(&cpl->params))
+    PART_TRY(deposit_extra(cpl, cells));
   memset(cpl->cell_work.data, 0, 4 * n * sizeof(double));
   PART_TRY(cpl_spread(cpl, 4, cpl->particle_work2.data, cpl->cell_work.data));
   write_source(cpl, cells);

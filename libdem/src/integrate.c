@@ -113,3 +113,20 @@ void dem_free_kick(dem_t *dem, double t, double h, int fluid) {
   kick(dem, t, 0.5 * h, 0.0, fluid);
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_INTEGRATE]);
 }
+
+int dem_relax_spin(dem_t *dem, const double *turn, double dt) {
+  for (int i = 0; i < dem->store->local; i++, turn += 4) {
+    if (dem_kind_of(dem, i) != DEM_FREE)
+      continue;
+    double *v = dem_vm(dem) + DEM_VM * (size_t)i;
+    const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3];
+    if (!isfinite(turn[0] + turn[1] + turn[2] + turn[3]) || turn[3] < 0.0)
+      return part_fail(PART_ERR_NUMERIC,
+                       "dem_relax_spin: particle %lld: towards (%g %g %g) 1/s by %g N m s",
+                       (long long)dem_id(dem, i), turn[0], turn[1], turn[2], turn[3]);
+    const double part = -expm1(-turn[3] * dt * dem->shape.spin * v[3] / (r * r));
+    for (int c = 0; c < 3; c++)
+      v[4 + c] += part * (turn[c] - v[4 + c]);
+  }
+  return PART_OK;
+}

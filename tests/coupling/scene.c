@@ -45,9 +45,13 @@ void scene_mesh(scene *s, MPI_Comm comm, const mesh_options *options, int random
   s->stress_divergence = mesh_alloc(3 * n, sizeof(double));
   s->coefficient = mesh_alloc(n, sizeof(double));
   s->explicit_part = mesh_alloc(3 * n, sizeof(double));
-  s->cells = (cpl_cells){
-      s->eps,         s->solid_velocity, s->superficial, s->pressure_gradient, s->stress_divergence,
-      s->coefficient, s->explicit_part};
+  s->cells = (cpl_cells){.eps = s->eps,
+                         .solid_velocity = s->solid_velocity,
+                         .superficial = s->superficial,
+                         .pressure_gradient = s->pressure_gradient,
+                         .stress_divergence = s->stress_divergence,
+                         .drag_coefficient = s->coefficient,
+                         .drag_explicit = s->explicit_part};
 }
 
 int scene_start(scene *s, const cpl_params *params, const cpl_fluid *fluid) {

@@ -2,6 +2,7 @@
 #include "particlePhase.H"
 
 #include "Time.H"
+#include "fvcCurl.H"
 #include "foamParams.H"
 #include "mathematicalConstants.H"
 #include "mixtureFields.H"
@@ -74,6 +75,8 @@ static cpl_particles particleView(dem_t* dem)
   // Of the sphere itself, in a block too: so the response of all members together stays bounded
   v.inverse_mass = part_field_double(s, DEM_FIELD_SPHERE_INVERSE_MASS);
   v.inverse_mass_stride = part_field_stride(s, DEM_FIELD_SPHERE_INVERSE_MASS);
+  v.angular_velocity = part_field_double(s, DEM_FIELD_ANGULAR_VELOCITY);
+  v.angular_velocity_stride = part_field_stride(s, DEM_FIELD_ANGULAR_VELOCITY);
   v.id = part_field_int64(s, DEM_FIELD_ID);
   v.id_stride = part_field_stride(s, DEM_FIELD_ID);
   v.kind = part_field_int64(s, DEM_FIELD_KIND);
@@ -223,8 +226,18 @@ void particlePhase::begin(const volVectorField& U, const volVectorField& stress)
   cells.superficial = data(superficial);
   cells.pressure_gradient = data(gradient);
   cells.stress_divergence = data(divTau);
+  vectorField curl;
+  if (params_.saffman_lift || params_.magnus_lift || params_.rotational_drag)
+  {
+    curl = fvc::curl(U)().primitiveField();
+    cells.curl = data(curl);
+  }
   checkStatus(cpl_sample_fluid(cpl_, &view_, &cells), "particlePhase::begin");
   checkStatus(cpl_fluid_force(cpl_, &view_), "particlePhase::begin");
+  if (const double* turn = cpl_turning(cpl_))
+  {
+    checkStatus(dem_relax_spin(dem_, turn, mesh_.time().deltaTValue()), "particlePhase::begin");
+  }
 }
 
 void particlePhase::advance(scalar dt, volScalarField& eps, volVectorField& vp, volVectorField& ap)

@@ -67,6 +67,7 @@ typedef struct cpl_particles {
   const double *radius;       int radius_stride;
   const double *drag_radius;  int drag_radius_stride; /* NULL: radius; see cpl_fluid_force */
   const double *velocity;     int velocity_stride;
+  const double *angular_velocity; int angular_velocity_stride; /* magnusLift, rotationalDrag only */
   const double *inverse_mass; int inverse_mass_stride;
   const int64_t *id;          int id_stride;
   const int64_t *kind;        int kind_stride; /* 0 free, 1 fixed, 2 member of a rigid block */
@@ -84,6 +85,7 @@ typedef struct cpl_cells {
   const double *superficial; /* [cells][3] in: U = eps u, m/s */
   const double *pressure_gradient; /* [cells][3] in: grad p without the hydrostatic part, Pa/m */
   const double *stress_divergence; /* [cells][3] in: div tau, Pa/m */
+  const double *curl; /* [cells][3] in: curl u of the interstitial velocity, 1/s; lift, turning */
   double *drag_coefficient; /* [cells] out: D, kg/(m3 s): drag on the fluid per mixture volume
                                is -(D U - G) with U superficial */
   double *drag_explicit;    /* [cells][3] out: G, N/m3 */
@@ -113,6 +115,9 @@ typedef struct cpl_params {
   int drag;               /* row of coupling/drag_laws.def */
   int pressure_gradient;  /* 1: force -V grad p (model A only; in B it is part of the drag) */
   int viscous_stress;     /* 1: force V div tau */
+  int saffman_lift;       /* 1: lift by shear, Saffman-Mei */
+  int magnus_lift;        /* 1: lift by spin */
+  int rotational_drag;    /* 1: torque of the fluid, cpl_turning */
   int two_way;            /* 0: the fluid does not feel the particles (eps = 1, no source) */
 } cpl_params;
 extern const part_param_table cpl_params_table;
@@ -156,6 +161,10 @@ int cpl_sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_cells
  * particle with a drag_radius is a part of a body of that radius: it has the share of the body's drag
  * that it has of its volume, (radius/drag_radius)^3. */
 int cpl_fluid_force(cpl_t *cpl, cpl_particles *particles);
+/* rotationalDrag: [count][4] of the last cpl_fluid_force, curl u/2 at the particle (1/s) and k (N m
+ * s): the fluid turns it with the torque k (curl u/2 - omega). NULL: off. The couple on the fluid,
+ * which has no momentum, is not given back. */
+const double *cpl_turning(const cpl_t *cpl);
 /* Own particles of the last cpl_fluid_force where the drag law was outside its range. */
 int64_t cpl_outside_range(const cpl_t *cpl);
 /* Collective. D and G of the cells for a flow step dt, from the impulses that the particles really

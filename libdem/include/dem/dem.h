@@ -259,6 +259,9 @@ double *dem_carried(dem_t *dem);
 /* Counts calls that changed the order of own particles, for caches outside. */
 long long dem_generation(const dem_t *dem);
 
+/* Local. Spin of free spheres relaxes for dt towards turn[0..2] (1/s) of turn[own particles][4], by the
+ * torque turn[3] (N m s, >= 0) times the difference, in closed form. Other kinds are left alone. */
+int dem_relax_spin(dem_t *dem, const double *turn, double dt);
 /* Add impulse[3*i] (N s) to own particle i at once: dv = impulse/m (blocks: sum over all members,
  * collective; clumps: at the member's centre, so the clump turns; fixed: to the support). Counts as
  * fluid impulse in the budget. Collective. */

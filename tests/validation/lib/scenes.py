@@ -44,9 +44,11 @@ def free(path, **more):
 
 
 def smooth(path, coupling=None, **more):
-    """The free spheres with everything exchanged through a smooth kernel, and without their own disturbance."""
-    return free(path, coupling=dict({'smoothing': 'diffusion', 'bandwidth': 2.0, 'selfDisturbance': True}, **(coupling or {})),
-                **more)
+    """The free spheres with everything exchanged through a smooth kernel, without their own disturbance, with lift and
+    torque of the fluid."""
+    words = {'smoothing': 'diffusion', 'bandwidth': 2.0, 'selfDisturbance': True, 'saffmanLift': True, 'magnusLift': True,
+             'rotationalDrag': True}
+    return free(path, coupling=dict(words, **(coupling or {})), **more)
 
 
 SCENES = {'fixed': fixed, 'settling': settling, 'free': free, 'tets': tets, 'smooth': smooth}
