@@ -109,15 +109,11 @@ static void skip_off(void **state) {
   }
 }
 
-/* Each rank runs the whole for itself, too. */
+/* Each rank runs the whole for itself, too; on one rank the two are the same bits. */
 static void ranks(void **state) {
   (void)state;
   static body a[N], b[N];
   sph_report here, there;
-  if (world_size() == 1) {
-    skip();
-    return;
-  }
   for (int k = 0; k < VARIANTS; k++) {
     variant v = variants[k];
     v.width = 0;
