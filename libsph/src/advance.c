@@ -63,9 +63,9 @@ static double own_speed(const sph_t *sph) {
   return sqrt(most);
 }
 
-/* Lists that hold until particles have moved by `way` more (m). With XSPH a particle goes no farther
- * than the fastest of its neighbourhood, for S.11 with V W summing to about 1; 2 is ample. Collective.
- * NaN counts as far, and is found by the check of the state. */
+/* Lists that hold until particles have moved by `way` more (m). With XSPH a particle goes no
+ * farther than the fastest of its neighbourhood, for S.11 with V W summing to about 1; 2 is ample.
+ * Collective. NaN counts as far, and is found by the check of the state. */
 static int make_sure_of_lists(sph_t *sph, double way) {
   way *= sph->plan.xsph ? 1.0 + 2.0 * sph->params.xsph : 1.0;
   if (!(way <= 0.5 * sph->skin))
@@ -190,7 +190,8 @@ static int run(sph_t *sph, double dt, int *steps) {
     const double ratio = fmax(ceil(left / longest * (1.0 - 1e-12)), 1.0);
     if (!(ratio < 1e9)) {
       PART_TRY(sph_check_state(sph));
-      return part_fail(PART_ERR_RANGE, "advance by %g s: more than 1e9 steps of %g s", left, longest);
+      return part_fail(PART_ERR_RANGE, "advance by %g s: more than 1e9 steps of %g s", left,
+                       longest);
     }
     const double h = left / ratio;
     PART_TRY(sph->params.time_scheme == SPH_SYMPLECTIC ? symplectic_step(sph, h)

@@ -36,14 +36,15 @@ static int check_place(const sph_t *sph, const double x[3], const char *what, lo
   const part_box *box = &sph->box;
   for (int c = 0; c < 3; c++)
     if (!(x[c] >= box->lo[c] && x[c] <= box->hi[c]))
-      return part_fail(PART_ERR_OUTSIDE,
-                       "%s %lld at (%g %g %g) m is outside the domain from (%g %g %g) to (%g %g %g) m",
-                       what, number, x[0], x[1], x[2], box->lo[0], box->lo[1], box->lo[2],
-                       box->hi[0], box->hi[1], box->hi[2]);
+      return part_fail(
+          PART_ERR_OUTSIDE,
+          "%s %lld at (%g %g %g) m is outside the domain from (%g %g %g) to (%g %g %g) m", what,
+          number, x[0], x[1], x[2], box->lo[0], box->lo[1], box->lo[2], box->hi[0], box->hi[1],
+          box->hi[2]);
   if (sph->params.dimensions == 2 && !isnan(sph->plane) && x[2] != sph->plane)
     return part_fail(PART_ERR_RANGE,
-                     "%s %lld: z is %g m; with dimensions 2 it must be %g m, as that of the first", what,
-                     number, x[2], sph->plane);
+                     "%s %lld: z is %g m; with dimensions 2 it must be %g m, as that of the first",
+                     what, number, x[2], sph->plane);
   return PART_OK;
 }
 
@@ -102,8 +103,8 @@ static int fill(sph_t *sph, const sph_insert *insert, const int64_t n[3], const 
       if (insert->hydrostatic)
         pressure += sph->params.density * sph->params.gravity[c] * (x[c] - insert->surface[c]);
     }
-    PART_TRY(put(sph, at, sph->params.first_id + sph->total + k, x, insert->velocity, volume,
-                 pressure));
+    PART_TRY(
+        put(sph, at, sph->params.first_id + sph->total + k, x, insert->velocity, volume, pressure));
   }
   return PART_OK;
 }
@@ -130,8 +131,10 @@ static int check_points(const sph_t *sph, int count, const double *position, con
     if (v != NULL && !isfinite(v[0] + v[1] + v[2]))
       return part_fail(PART_ERR_NUMERIC, "point %d: its velocity is not finite", k);
     if (v != NULL && sph->params.dimensions == 2 && v[2] != 0.0)
-      return part_fail(PART_ERR_RANGE, "point %d: its velocity has a z component of %g m/s; must be "
-                       "0 with dimensions 2", k, v[2]);
+      return part_fail(PART_ERR_RANGE,
+                       "point %d: its velocity has a z component of %g m/s; must be "
+                       "0 with dimensions 2",
+                       k, v[2]);
     if (volume != NULL && !(volume[k] > 0.0 && isfinite(volume[k])))
       return part_fail(PART_ERR_RANGE, "point %d: its volume is %g m^3; must be in (0, inf)", k,
                        volume[k]);

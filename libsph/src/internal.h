@@ -21,10 +21,10 @@ typedef struct sph_plan {
   int walls;     /* there are some */
   int diffusion; /* densityDiffusion > 0 */
   int xsph, summation;
-  int viscous;      /* viscosity > 0 */
-  int hydrostatic;  /* gravity along a direction that is not periodic */
-  int porous;       /* eps below 1 somewhere */
-  int forces;       /* a force of others somewhere */
+  int viscous;     /* viscosity > 0 */
+  int hydrostatic; /* gravity along a direction that is not periodic */
+  int porous;      /* eps below 1 somewhere */
+  int forces;      /* a force of others somewhere */
 } sph_plan;
 
 enum sph_stage {
@@ -56,10 +56,10 @@ struct sph_t {
   part_timers *timers;
   int stage[SPH_STAGE_COUNT];
 
-  double reach, skin; /* m, radius of the support */
-  double norm;        /* 1/m3: W = norm shape(r/h), over depth with two dimensions */
-  double cell;        /* m3, spacing^dim */
-  double plane;       /* m, z of all particles with two dimensions */
+  double reach, skin;    /* m, radius of the support */
+  double norm;           /* 1/m3: W = norm shape(r/h), over depth with two dimensions */
+  double cell;           /* m3, spacing^dim */
+  double plane;          /* m, z of all particles with two dimensions */
   double hydrostatic[3]; /* Pa/m */
   double monaghan;       /* alpha of S.9 */
   sph_plan plan;
@@ -78,7 +78,7 @@ struct sph_t {
   double *saved; /* [own][8] x v rho_bar when a step of the predictor-corrector began */
   size_t saved_room;
 
-  double travel; /* m, bound of the way of any particle since the lists were built */
+  double travel;        /* m, bound of the way of any particle since the lists were built */
   double wall_force[3]; /* N, on own particles now */
   double own_mass;      /* kg */
   sph_sum gravity_impulse, wall_impulse, force_impulse;
@@ -87,7 +87,8 @@ struct sph_t {
   double imbalance;
 };
 
-/* ---- access -------------------------------------------------------------------------------------- */
+/* ---- access
+ * -------------------------------------------------------------------------------------- */
 static inline double *sph_xv(const sph_t *sph) {
   return part_record_double(sph->store, SPH_RECORD_XV);
 }
@@ -104,26 +105,31 @@ static inline int64_t sph_id(const sph_t *sph, int i) {
   return part_record_int64(sph->store, SPH_RECORD_META)[SPH_META * (size_t)i];
 }
 
-/* ---- memory.c: ERR_MEMORY; items are zero -------------------------------------------------------- */
+/* ---- memory.c: ERR_MEMORY; items are zero
+ * -------------------------------------------------------- */
 int sph_grow(size_t count, size_t size, size_t *capacity, void *pointer_to_pointer);
 
-/* ---- kernel.c ------------------------------------------------------------------------------------ */
+/* ---- kernel.c
+ * ------------------------------------------------------------------------------------ */
 double sph_shape(int kernel, double q);
 double sph_slope(int kernel, double q); /* (1/q) d shape/dq */
 double sph_kernel_norm(int kernel, int dimensions);
 double sph_kernel_monaghan(int kernel, int dimensions);
 
-/* ---- insert.c ------------------------------------------------------------------------------------ */
+/* ---- insert.c
+ * ------------------------------------------------------------------------------------ */
 /* Density of the fluid at a pressure (S.3), 0 where there is none. */
 double sph_density_at(const sph_params *params, double pressure);
 
-/* ---- state.c ------------------------------------------------------------------------------------- */
+/* ---- state.c
+ * ------------------------------------------------------------------------------------- */
 /* Volume and pressure of own particle i from its mass, density and eps (S.1, S.3). */
 void sph_set_state(sph_t *sph, int i);
 void sph_set_states(sph_t *sph);
 /* Collective. Copies of volume, velocity, pressure, position (and eps) to the ghosts. */
 int sph_refresh_ghosts(sph_t *sph);
-/* Rates of density into the sums and RATE; positions, velocities and pressures of ghosts are there. */
+/* Rates of density into the sums and RATE; positions, velocities and pressures of ghosts are there.
+ */
 int sph_density_rates(sph_t *sph);
 /* Densities as sums (S.6). */
 void sph_density_sums(sph_t *sph);
@@ -134,18 +140,21 @@ int sph_check_state(sph_t *sph);
 /* Collective. Longest step and largest speed. */
 int sph_limits(sph_t *sph, double *step, double *speed);
 
-/* ---- lists.c ------------------------------------------------------------------------------------- */
+/* ---- lists.c
+ * ------------------------------------------------------------------------------------- */
 /* Collective. Migrate, sort, ghosts, lists. */
 int sph_rebuild(sph_t *sph, int balance);
 /* Collective. Widest loops that all ranks have. */
 int sph_choose_loops(sph_t *sph);
 
-/* ---- plan.c -------------------------------------------------------------------------------------- */
+/* ---- plan.c
+ * -------------------------------------------------------------------------------------- */
 /* Collective. porous, forces and least eps from the fields. */
 int sph_plan_fields(sph_t *sph);
 void sph_make_plan(sph_t *sph);
 
-/* ---- report.c ------------------------------------------------------------------------------------ */
+/* ---- report.c
+ * ------------------------------------------------------------------------------------ */
 /* Momentum of own particles; size: sum of m |v| (NULL: not). */
 void sph_own_momentum(const sph_t *sph, double momentum[3], double *size);
 /* Collective. Sum of n doubles over ranks in rank order: the same bits on every rank. */

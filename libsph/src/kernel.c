@@ -72,7 +72,10 @@ double sph_kernel_gamma(int kernel, int dimensions, double psi) {
     return psi > 0.0 ? 1.0 : 0.0;
   const double step = sqrt(support - y) / STEPS;
   for (int k = 0; k <= STEPS; k++) {
-    const double s = k * step, q = y + s * s, weight = k == 0 || k == STEPS ? 1.0 : k % 2 ? 4.0 : 2.0;
+    const double s = k * step, q = y + s * s,
+                 weight = k == 0 || k == STEPS ? 1.0
+                          : k % 2              ? 4.0
+                                               : 2.0;
     if (q > 0.0)
       sum += weight * 2.0 * s * behind(dimensions, q, y) * sph_shape(kernel, q);
   }

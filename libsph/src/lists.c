@@ -30,7 +30,8 @@ static int count_rows(sph_t *sph) {
   return PART_OK;
 }
 
-/* Rows come out in increasing order of partners: those below i are put in as their rows are read. */
+/* Rows come out in increasing order of partners: those below i are put in as their rows are read.
+ */
 static int make_full(sph_t *sph) {
   const part_pairs *half = sph->pairs;
   sph_lists *lists = &sph->lists;
@@ -88,8 +89,8 @@ static int rebuild(sph_t *sph, int balance) {
   if (balance || (sph->ranks > 1 && sph->imbalance > sph->params.balance_ratio))
     PART_TRY(part_domain_balance(sph->domain, sph->store, NULL));
   PART_TRY(part_domain_migrate(sph->domain, sph->store, 0, NULL, NULL));
-  PART_TRY(part_agree(sph->comm, part_sort(sph->store, &sph->box, SPH_FIELD_SUPPORT, &levels,
-                                           sph->skin)));
+  PART_TRY(part_agree(sph->comm,
+                      part_sort(sph->store, &sph->box, SPH_FIELD_SUPPORT, &levels, sph->skin)));
   PART_TRY(part_domain_ghosts(sph->domain, sph->store, sph->reach + sph->skin));
   PART_TRY(part_agree(sph->comm, make_lists(sph, &levels)));
   PART_TRY(count_all(sph));

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pair loops for AVX2 with FMA. Only this file is compiled for it; sph_choose_loops asks the processor. */
+/* Pair loops for AVX2 with FMA. Only this file is compiled for it; sph_choose_loops asks the
+ * processor. */
 #include "pair_loops.h"
 
 #if defined(__x86_64__) && defined(__GNUC__)
@@ -28,8 +29,7 @@
 #endif
 
 const sph_loops *sph_loops_avx2(void) {
-  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &loops
-              : NULL;
+  return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") ? &loops : NULL;
 }
 
 #else

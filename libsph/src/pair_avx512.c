@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Pair loops for AVX-512. Only this file is compiled for it; sph_choose_loops asks the processor. */
+/* Pair loops for AVX-512. Only this file is compiled for it; sph_choose_loops asks the processor.
+ */
 #include "pair_loops.h"
 
 #if defined(__x86_64__) && defined(__GNUC__)
@@ -10,7 +11,8 @@
 /* From here on functions are compiled for the named instructions; multiply and add may be one
  * operation, as these have it. */
 #if defined(__clang__)
-#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma"))), apply_to = function)
+#pragma clang attribute push(__attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma"))),        \
+                             apply_to = function)
 #pragma STDC FP_CONTRACT ON
 #else
 #pragma GCC push_options
@@ -30,8 +32,9 @@
 const sph_loops *sph_loops_avx512(void) {
   return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
                  __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx2") &&
-                 __builtin_cpu_supports("fma") ? &loops
-              : NULL;
+                 __builtin_cpu_supports("fma")
+             ? &loops
+             : NULL;
 }
 
 #else

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The two loops over neighbours, S.4 to S.11: rates of the density where velocities are, then
- * forces. Lists are full (each end sums its own row), so that nothing is scattered and 8 partners are
- * taken at once; one record of 64 bytes holds all that is read of a partner. pair_kernel.h is the
- * code, compiled for 1, 4 and 8 lanes. */
+ * forces. Lists are full (each end sums its own row), so that nothing is scattered and 8 partners
+ * are taken at once; one record of 64 bytes holds all that is read of a partner. pair_kernel.h is
+ * the code, compiled for 1, 4 and 8 lanes. */
 #ifndef SPH_PAIR_LOOPS_H
 #define SPH_PAIR_LOOPS_H
 
@@ -17,18 +17,19 @@ typedef struct sph_lanes {
   const int *start;   /* [rows+1], multiples of 8 */
   const int *partner; /* padded with the particle itself, which adds nothing */
   int dimensions;
-  double h, norm;            /* m, 1/m3: W = norm shape(r/h) */
-  double density;            /* kg/m3 */
-  double hydrostatic[3];     /* Pa/m, rho_0 g along directions that are not periodic (S.5) */
+  double h, norm;             /* m, 1/m3: W = norm shape(r/h) */
+  double density;             /* kg/m3 */
+  double hydrostatic[3];      /* Pa/m, rho_0 g along directions that are not periodic (S.5) */
   int diffuse, smooth, count; /* the density loop also sums S.5, S.11, S.6 */
-  int porous;                /* eps is not 1 everywhere */
-  double viscosity;          /* Pa s, of Morris, 0: none */
-  double monaghan;           /* kg/(m2 s), rho_0 times alpha of S.9, 0: none */
-  double sound_speed;        /* m/s */
-  double artificial;         /* kg/(m s), rho_0 alpha c h of S.10, 0: none */
+  int porous;                 /* eps is not 1 everywhere */
+  double viscosity;           /* Pa s, of Morris, 0: none */
+  double monaghan;            /* kg/(m2 s), rho_0 times alpha of S.9, 0: none */
+  double sound_speed;         /* m/s */
+  double artificial;          /* kg/(m s), rho_0 alpha c h of S.10, 0: none */
 } sph_lanes;
 
-/* Sums of rows from .. to-1 into sum[row][SPH_SUMS]. density: [0] sum V u.grad W, [1] sum V (p_j - p_i
+/* Sums of rows from .. to-1 into sum[row][SPH_SUMS]. density: [0] sum V u.grad W, [1] sum V (p_j -
+ * p_i
  * - hydrostatic) slope, [2..4] sum V (v_j - v_i) W, [5] sum W without the own. force: [0..2] force
  * over own volume. Where a sum is not asked for it is not written. */
 typedef void (*sph_pair_loop)(const sph_lanes *lanes, int from, int to, double *sum);

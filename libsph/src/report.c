@@ -7,7 +7,8 @@ int sph_rank_sum(const sph_t *sph, int n, double *values) {
   size_t room = 0;
   if (sph->ranks == 1)
     return PART_OK;
-  PART_TRY(part_agree(sph->comm, sph_grow((size_t)n * (size_t)sph->ranks, sizeof *all, &room, &all)));
+  PART_TRY(
+      part_agree(sph->comm, sph_grow((size_t)n * (size_t)sph->ranks, sizeof *all, &room, &all)));
   const int status = MPI_Allgather(values, n, MPI_DOUBLE, all, n, MPI_DOUBLE, sph->comm);
   for (int k = 0; k < n; k++) {
     values[k] = 0.0;

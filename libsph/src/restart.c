@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files: what sph_write adds to the particles, and how sph_read takes it up again. On the same number
- * of ranks the run goes on bit for bit; on another the decomposition is new and the sums of all ranks
- * of the writing run go to rank 0. */
+/* Files: what sph_write adds to the particles, and how sph_read takes it up again. On the same
+ * number of ranks the run goes on bit for bit; on another the decomposition is new and the sums of
+ * all ranks of the writing run go to rank 0. */
 #include "internal.h"
 #include "particle/vtkhdf.h"
 
@@ -10,19 +10,12 @@ enum { STATE_VALUES = 13, BUDGET_VALUES = 24, WALL_VALUES = 9 };
 /* The first are what must be as it was, the others go on. */
 static void pack_state(const sph_t *sph, double value[STATE_VALUES]) {
   const sph_params *p = &sph->params;
-  const double packed[STATE_VALUES] = {(double)p->dimensions,
-                                       p->depth,
-                                       p->spacing,
-                                       p->smoothing_length,
-                                       p->kernel,
-                                       p->density,
-                                       sph->walls.count,
-                                       sph->ranks,
-                                       sph->time,
-                                       (double)sph->total,
-                                       (double)sph->steps,
-                                       (double)sph->rebuilds,
-                                       (double)sph->generation};
+  const double packed[STATE_VALUES] = {
+      (double)p->dimensions,  p->depth,           p->spacing,
+      p->smoothing_length,    p->kernel,          p->density,
+      sph->walls.count,       sph->ranks,         sph->time,
+      (double)sph->total,     (double)sph->steps, (double)sph->rebuilds,
+      (double)sph->generation};
   memcpy(value, packed, sizeof packed);
 }
 

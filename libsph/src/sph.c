@@ -72,8 +72,8 @@ static void derive(sph_t *sph) {
   sph->skin = p->skin_fraction * sph->reach;
   sph->norm = sph_kernel_norm(p->kernel, dim) / pow(h, dim) / depth;
   sph->cell = pow(p->spacing, dim) * depth;
-  sph->monaghan = p->viscosity * sph_kernel_monaghan(p->kernel, dim) /
-                  (p->density * h * p->sound_speed);
+  sph->monaghan =
+      p->viscosity * sph_kernel_monaghan(p->kernel, dim) / (p->density * h * p->sound_speed);
   for (int c = 0; c < 3; c++)
     sph->hydrostatic[c] = sph->box.periodic[c] ? 0.0 : p->density * p->gravity[c];
   sph->least_eps = 1.0;

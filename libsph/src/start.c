@@ -8,7 +8,8 @@ static int check(const sph_t *sph) {
   if (sph->started)
     return part_fail(PART_ERR_STATE, "sph_start is called once");
   if (sph->total == 0)
-    return part_fail(PART_ERR_STATE, "there are no particles: insert or read some before sph_start");
+    return part_fail(PART_ERR_STATE,
+                     "there are no particles: insert or read some before sph_start");
   for (int c = 0; c < 3; c++) {
     const double length = sph->box.hi[c] - sph->box.lo[c];
     if (sph->box.periodic[c] && length < 2.0 * (sph->reach + sph->skin))
@@ -68,8 +69,9 @@ static int check_eps(const sph_t *sph, const double *eps) {
 
 int sph_displace(sph_t *sph, const double *eps) {
   if (!sph->started || sph->restored || sph->steps > 0)
-    return part_fail(PART_ERR_STATE,
-                     "sph_displace comes after sph_start and before sph_advance, not after sph_read");
+    return part_fail(
+        PART_ERR_STATE,
+        "sph_displace comes after sph_start and before sph_advance, not after sph_read");
   PART_TRY(part_agree(sph->comm, check_eps(sph, eps)));
   sph->own_mass = 0.0;
   for (int i = 0; i < sph->store->local; i++) {

@@ -38,24 +38,24 @@ static sph_lanes lanes_of(const sph_t *sph) {
   const sph_params *p = &sph->params;
   const int all = !p->skip;
   const double *g = sph->hydrostatic;
-  return (sph_lanes){.xv = sph_xv(sph),
-                     .mass = sph_mass(sph),
-                     .start = sph->lists.start,
-                     .partner = sph->lists.partner,
-                     .dimensions = (int)p->dimensions,
-                     .h = p->smoothing_length,
-                     .norm = sph->norm,
-                     .density = p->density,
-                     .hydrostatic = {g[0], g[1], g[2]},
-                     .diffuse = sph->plan.diffusion || all,
-                     .smooth = sph->plan.xsph || all,
-                     .count = sph->plan.summation || all,
-                     .porous = sph->plan.porous || all,
-                     .viscosity = p->viscosity_model == SPH_MORRIS ? p->viscosity : 0.0,
-                     .monaghan = p->viscosity_model == SPH_MONAGHAN ? p->density * sph->monaghan : 0.0,
-                     .sound_speed = p->sound_speed,
-                     .artificial = p->density * p->artificial_viscosity * p->sound_speed *
-                                   p->smoothing_length};
+  return (sph_lanes){
+      .xv = sph_xv(sph),
+      .mass = sph_mass(sph),
+      .start = sph->lists.start,
+      .partner = sph->lists.partner,
+      .dimensions = (int)p->dimensions,
+      .h = p->smoothing_length,
+      .norm = sph->norm,
+      .density = p->density,
+      .hydrostatic = {g[0], g[1], g[2]},
+      .diffuse = sph->plan.diffusion || all,
+      .smooth = sph->plan.xsph || all,
+      .count = sph->plan.summation || all,
+      .porous = sph->plan.porous || all,
+      .viscosity = p->viscosity_model == SPH_MORRIS ? p->viscosity : 0.0,
+      .monaghan = p->viscosity_model == SPH_MONAGHAN ? p->density * sph->monaghan : 0.0,
+      .sound_speed = p->sound_speed,
+      .artificial = p->density * p->artificial_viscosity * p->sound_speed * p->smoothing_length};
 }
 
 static int density_sums(sph_t *sph) {
@@ -117,17 +117,19 @@ static int check_particle(const sph_t *sph, int i) {
   if (!isfinite(x[0] + x[1] + x[2] + v2 + x[7]))
     what = "is not finite";
   else if (v2 > p->sound_speed * p->sound_speed)
-    what = "is faster than sound: soundSpeed must be ten times the largest speed, or the step is too "
-           "long";
+    what =
+        "is faster than sound: soundSpeed must be ten times the largest speed, or the step is too "
+        "long";
   else if (!(density > 0.5 * p->density && density < 2.0 * p->density))
-    what = "has lost half of its density or doubled it: soundSpeed is too low, or the step too long";
+    what =
+        "has lost half of its density or doubled it: soundSpeed is too low, or the step too long";
   if (what == NULL)
     return PART_OK;
   return part_fail(PART_ERR_NUMERIC,
                    "particle %lld at (%g %g %g) m, time %g s, velocity (%g %g %g) m/s, density %g "
                    "kg/m^3 %s",
-                   (long long)sph_id(sph, i), x[0], x[1], x[2], sph->time, x[4], x[5], x[6], density,
-                   what);
+                   (long long)sph_id(sph, i), x[0], x[1], x[2], sph->time, x[4], x[5], x[6],
+                   density, what);
 }
 
 int sph_check_state(sph_t *sph) {
@@ -157,8 +159,8 @@ int sph_limits(sph_t *sph, double *step, double *speed) {
   }
   if (MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, sph->comm) != MPI_SUCCESS)
     return part_fail(PART_ERR_MPI, "a maximum over ranks failed");
-  /* Along their line of centres, S.9 and S.10 damp a wave three times as fast as across it. nu of S.10
-   * is alpha h c/(2 (d + 2)). */
+  /* Along their line of centres, S.9 and S.10 damp a wave three times as fast as across it. nu of
+   * S.10 is alpha h c/(2 (d + 2)). */
   const double nu = p->viscosity / p->density * (p->viscosity_model == SPH_MONAGHAN ? 3.0 : 1.0) +
                     3.0 * p->artificial_viscosity * h * c / (2.0 * ((double)p->dimensions + 2.0));
   *speed = sqrt(most[0]);

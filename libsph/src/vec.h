@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Several pairs at once: one value of each of SPH_WIDTH pairs (lanes) as a type with + - * /. A file
- * sets SPH_WIDTH to 8 (AVX-512), 4 (AVX2 with FMA) or nothing (1, plain double) before its first
- * include; what is written with these names then compiles for any width. */
+/* Several pairs at once: one value of each of SPH_WIDTH pairs (lanes) as a type with + - * /. A
+ * file sets SPH_WIDTH to 8 (AVX-512), 4 (AVX2 with FMA) or nothing (1, plain double) before its
+ * first include; what is written with these names then compiles for any width. */
 #ifndef SPH_VEC_H
 #define SPH_VEC_H
 

@@ -6,7 +6,8 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* From x to its nearest point of a triangle, by the region that x is in (Ericson 2005, sec. 5.1.5). */
+/* From x to its nearest point of a triangle, by the region that x is in (Ericson 2005, sec. 5.1.5).
+ */
 static void nearest_of_triangle(const sph_face *f, const double x[3], double to[3]) {
   double ab[3], ac[3], ax[3], bx[3], cx[3], s = 0.0, t = 0.0;
   for (int c = 0; c < 3; c++) {

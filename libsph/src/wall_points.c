@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Ghost points behind walls (Markauskas et al. 2017, sec. 5.1), made anew for every particle near one
- * whenever sums are taken: doc/equations.md, S.16. */
+/* Ghost points behind walls (Markauskas et al. 2017, sec. 5.1), made anew for every particle near
+ * one whenever sums are taken: doc/equations.md, S.16. */
 #include "internal.h"
 
 /* Lattice about the foot of the particle on its nearest wall. */
@@ -20,8 +20,8 @@ static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
-/* Sides in front of which the particle is: of a block's edge that it looks at from one side, only that
- * side counts. */
+/* Sides in front of which the particle is: of a block's edge that it looks at from one side, only
+ * that side counts. */
 static void find_sides(const sph_t *sph, sph_seer *s) {
   double from[SPH_SIDES];
   s->sides = 0;
@@ -75,8 +75,8 @@ static void make_lattice(const sph_t *sph, const sph_seer *s, lattice *l) {
   l->across[1] = sph->params.dimensions == 2 ? 0 : l->across[0];
 }
 
-/* Share of a lattice cell that is solid, and the wall it belongs to: partly where another surface cuts
- * through, so that nothing jumps when the particle moves along its own wall. */
+/* Share of a lattice cell that is solid, and the wall it belongs to: partly where another surface
+ * cuts through, so that nothing jumps when the particle moves along its own wall. */
 static double solid_share(const sph_t *sph, const sph_seer *s, const double r[3], int *face,
                           double *behind) {
   double distance = HUGE_VAL;
@@ -102,10 +102,10 @@ double sph_walls_mirror(const sph_t *sph, double behind, double distance) {
   return 1.0 + behind / (distance > least ? distance : least);
 }
 
-/* Eq. 26 for a point behind one side or, in a corner, several: each mirrors its own normal part of the
- * velocity. A side counts with what of its normal the sides before it do not have, so that two that
- * look nearly the same way are not counted twice. Were only one counted in a corner, density would not
- * follow the work that the pressure of the corner's points does. */
+/* Eq. 26 for a point behind one side or, in a corner, several: each mirrors its own normal part of
+ * the velocity. A side counts with what of its normal the sides before it do not have, so that two
+ * that look nearly the same way are not counted twice. Were only one counted in a corner, density
+ * would not follow the work that the pressure of the corner's points does. */
 static void mirror_sides(const sph_t *sph, const sph_seer *s, const double r[3], double q[3]) {
   double before[SPH_SIDES][3];
   int n = 0;
@@ -156,8 +156,8 @@ static void plane_point(const sph_t *sph, const sph_seer *s, const lattice *l, d
     p->q[c] = -p->mirror * (depth + s->distance) * l->n[c];
 }
 
-/* Points of row a of a layer at a depth, behind `n` others; `left`: reach^2 less the squares of down and of
- * the row's distance. Returns how many there are now. */
+/* Points of row a of a layer at a depth, behind `n` others; `left`: reach^2 less the squares of
+ * down and of the row's distance. Returns how many there are now. */
 static int make_row(const sph_t *sph, const sph_seer *s, const lattice *l, double depth, int a,
                     double left, int n) {
   const double dx = sph->params.spacing, down = depth + s->distance;
@@ -178,8 +178,8 @@ static int make_row(const sph_t *sph, const sph_seer *s, const lattice *l, doubl
   return n;
 }
 
-/* Ghost points within the support; returns how many. Layers at depths (k + 1/2) dx below the wall, from
- * the top of the support where another wall may be met, to its bottom. */
+/* Ghost points within the support; returns how many. Layers at depths (k + 1/2) dx below the wall,
+ * from the top of the support where another wall may be met, to its bottom. */
 static int make_points(const sph_t *sph, const sph_seer *s) {
   const double dx = sph->params.spacing, reach2 = sph->reach * sph->reach;
   const int first = s->alone ? 0 : (int)floor((-sph->reach - s->distance) / dx - 0.5);

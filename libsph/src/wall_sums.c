@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the ghost points behind walls add to the sums of the pair loops: point by point, or from the table
- * where there is one plane alone. */
+/* What the ghost points behind walls add to the sums of the pair loops: point by point, or from the
+ * table where there is one plane alone. */
 #include "internal.h"
 
 static double dot(const double a[3], const double b[3]) {
@@ -25,8 +25,8 @@ static double split(const sph_t *sph, int i, const sph_face *face, double across
   return normal;
 }
 
-/* Eq. 26 in S.4, for walls whose surface moves in itself; and V W for S.6. Ghosts have the pressure that
- * makes S.5 vanish. */
+/* Eq. 26 in S.4, for walls whose surface moves in itself; and V W for S.6. Ghosts have the pressure
+ * that makes S.5 vanish. */
 static void density_of_points(sph_t *sph, int i, sph_seer *s) {
   const double h = sph->params.smoothing_length, slope_norm = sph->norm / (h * h);
   const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
@@ -72,14 +72,15 @@ int sph_walls_density(sph_t *sph) {
   return status;
 }
 
-/* Viscous part along d = -r and along u: S.8 and S.9 with the velocity of eq. 25; S.10 with its part along
- * the normal, approach = (u_n n).d. */
+/* Viscous part along d = -r and along u: S.8 and S.9 with the velocity of eq. 25; S.10 with its
+ * part along the normal, approach = (u_n n).d. */
 static void viscous(const sph_t *sph, const double d[3], const double u[3], double approach,
                     double *along_d, double *along_u) {
   const sph_params *p = &sph->params;
   const double h = p->smoothing_length, d2 = dot(d, d), soft = d2 + 0.01 * h * h, w = dot(d, u);
   *along_u = 0.0;
-  *along_d = p->density * p->artificial_viscosity * p->sound_speed * h * (approach < 0.0 ? approach : 0.0) / soft;
+  *along_d = p->density * p->artificial_viscosity * p->sound_speed * h *
+             (approach < 0.0 ? approach : 0.0) / soft;
   if (p->viscosity_model == SPH_MORRIS) {
     *along_u = 2.0 * p->viscosity;
   } else if (p->viscosity > 0.0) {

@@ -15,18 +15,20 @@ static int check_plane(const sph_t *sph, const sph_wall_params *p, double n[3]) 
     n[c] = p->normal[c] / length;
     along += n[c] * p->velocity[c];
     if (sph->box.periodic[c] && n[c] != 0.0)
-      return part_fail(PART_ERR_RANGE,
-                       "entry normal: its component %d must be 0, because the domain is periodic in "
-                       "that direction",
-                       c);
+      return part_fail(
+          PART_ERR_RANGE,
+          "entry normal: its component %d must be 0, because the domain is periodic in "
+          "that direction",
+          c);
   }
   if (sph->params.dimensions == 2 && n[2] != 0.0)
     return part_fail(PART_ERR_RANGE, "entry normal: its z component must be 0 with dimensions 2");
   if (fabs(along) > 1e-12 * speed)
-    return part_fail(PART_ERR_RANGE,
-                     "entry velocity: %g m/s along the normal; walls do not move, only their surface "
-                     "does",
-                     along);
+    return part_fail(
+        PART_ERR_RANGE,
+        "entry velocity: %g m/s along the normal; walls do not move, only their surface "
+        "does",
+        along);
   return PART_OK;
 }
 
@@ -65,7 +67,8 @@ static int set_triangle(const double *v, int number, sph_face *face) {
 static int add_faces(sph_t *sph, const sph_wall_params *p, const double n[3], int count,
                      const double *vertices) {
   sph_walls *walls = &sph->walls;
-  const int more = p->type == SPH_PLANE ? 1 : count, at = p->type == SPH_PLANE ? walls->planes : walls->faces;
+  const int more = p->type == SPH_PLANE ? 1 : count,
+            at = p->type == SPH_PLANE ? walls->planes : walls->faces;
   sph_face *face = realloc(walls->face, (size_t)(walls->faces + more) * sizeof *face);
   if (face == NULL)
     return part_fail(PART_ERR_MEMORY, "no memory for %d faces", walls->faces + more);

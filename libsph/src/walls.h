@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Walls: their faces (planes, triangles), the list of faces near each particle, and the ghost points
- * behind them that a particle sees (S.16). */
+/* Walls: their faces (planes, triangles), the list of faces near each particle, and the ghost
+ * points behind them that a particle sees (S.16). */
 #ifndef SPH_WALLS_H
 #define SPH_WALLS_H
 
@@ -64,7 +64,7 @@ typedef struct sph_walls {
   sph_point *point; /* those of one particle */
   int *within;      /* [room of near] faces within the support of one particle */
   size_t within_room;
-  double *table;    /* [][SPH_TABLE_COUNT] */
+  double *table; /* [][SPH_TABLE_COUNT] */
 } sph_walls;
 
 /* A flat side of the walls around a particle: the nearest of those faces that look the same way. */
@@ -89,34 +89,39 @@ typedef struct sph_seer {
 
 struct sph_t;
 
-/* ---- wall_faces.c: geometry -------------------------------------------------------------------- */
+/* ---- wall_faces.c: geometry --------------------------------------------------------------------
+ */
 /* Signed distance of a face from x: negative behind. *tilt: how squarely x is seen from the nearest
  * point, for ties between faces that meet there. */
 double sph_face_distance(const sph_face *face, const double x[3], double *tilt);
-/* Face of a list that x is deepest behind or nearest to, and the signed distance of the solid from x:
- * the least of that of the planes and that of the surface of triangles. */
+/* Face of a list that x is deepest behind or nearest to, and the signed distance of the solid from
+ * x: the least of that of the planes and that of the surface of triangles. */
 int sph_faces_nearest(const sph_walls *walls, int n, const int *near, const double x[3],
                       double *distance);
 int sph_walls_bins(sph_walls *walls, double reach);
 void sph_walls_free(sph_walls *walls);
 
-/* ---- wall_list.c: near faces of every own particle ----------------------------------------------- */
+/* ---- wall_list.c: near faces of every own particle
+ * ----------------------------------------------- */
 int sph_walls_list(struct sph_t *sph);
 
-/* ---- wall_tables.c -------------------------------------------------------------------------------- */
+/* ---- wall_tables.c
+ * -------------------------------------------------------------------------------- */
 int sph_walls_table(struct sph_t *sph);
 void sph_walls_look_up(const struct sph_t *sph, double distance, double sum[SPH_TABLE_COUNT]);
 
-/* ---- wall_points.c ------------------------------------------------------------------------------- */
-/* ERR_OUTSIDE when the particle of a row is behind a wall by more than a spacing. count 0: no wall is
- * within the support now. */
+/* ---- wall_points.c
+ * ------------------------------------------------------------------------------- */
+/* ERR_OUTSIDE when the particle of a row is behind a wall by more than a spacing. count 0: no wall
+ * is within the support now. */
 int sph_walls_see(struct sph_t *sph, int row, sph_seer *s);
 /* Ghost points into sph->walls.point; how many. */
 int sph_walls_points(struct sph_t *sph, sph_seer *s);
 /* 1 + behind/distance of eq. 25-26. */
 double sph_walls_mirror(const struct sph_t *sph, double behind, double distance);
 
-/* ---- wall_sums.c: what walls add to the sums of the pair loops -------------------------------------- */
+/* ---- wall_sums.c: what walls add to the sums of the pair loops
+ * -------------------------------------- */
 int sph_walls_density(struct sph_t *sph);
 int sph_walls_force(struct sph_t *sph);
 void sph_walls_add_impulse(struct sph_t *sph, double h);

@@ -3,11 +3,12 @@
  *
  *   sph still|dam NX NY NZ STEPS REPEATS [WIDTH]
  *
- * Water of NX x NY x NZ particles 0.01 m apart, h = 1.3 dx, Wendland C2, symplectic steps, density diffusion 0.1,
- * artificial viscosity 0.05, viscosity of water, no-slip walls by ghost points. still: at rest in a tank that it fills
- * sideways, with a free surface. dam: the column falls into a tank three times as long. WIDTH: of the vectors, 0: any.
- * Prints "steps <particles> <steps> <rebuilds> <pair interactions, directed, within the support, a step> <seconds>"
- * for each repeat; everything counts, rebuilds of the lists too. */
+ * Water of NX x NY x NZ particles 0.01 m apart, h = 1.3 dx, Wendland C2, symplectic steps, density
+ * diffusion 0.1, artificial viscosity 0.05, viscosity of water, no-slip walls by ghost points.
+ * still: at rest in a tank that it fills sideways, with a free surface. dam: the column falls into
+ * a tank three times as long. WIDTH: of the vectors, 0: any. Prints "steps <particles> <steps>
+ * <rebuilds> <pair interactions, directed, within the support, a step> <seconds>" for each repeat;
+ * everything counts, rebuilds of the lists too. */
 #include <stdio.h>
 #include <time.h>
 
@@ -70,7 +71,8 @@ static long long interactions(const sph_t *sph) {
     for (int k = sph->lists.start[i]; k < sph->lists.start[i + 1]; k++) {
       double d2 = 0.0;
       for (int c = 0; c < 3; c++) {
-        const double d = xv[SPH_XV * (size_t)i + (size_t)c] - xv[SPH_XV * (size_t)sph->lists.partner[k] + (size_t)c];
+        const double d = xv[SPH_XV * (size_t)i + (size_t)c] -
+                         xv[SPH_XV * (size_t)sph->lists.partner[k] + (size_t)c];
         d2 += d * d;
       }
       count += sph->lists.partner[k] != i && d2 < sph->reach * sph->reach;
@@ -96,8 +98,8 @@ int main(int argc, char **argv) {
     check(sph_advance(sph, step * atoi(argv[5]), &steps));
     const double seconds = now() - start;
     check(sph_get_report(sph, &after));
-    printf("steps %lld %d %lld %lld %.6f\n", (long long)after.particles, steps, after.rebuilds - before.rebuilds,
-           interactions(sph), seconds);
+    printf("steps %lld %d %lld %lld %.6f\n", (long long)after.particles, steps,
+           after.rebuilds - before.rebuilds, interactions(sph), seconds);
   }
   sph_destroy(sph);
   MPI_Finalize();

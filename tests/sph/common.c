@@ -136,8 +136,8 @@ void find_all(sph_t *sph, MPI_Comm comm, int64_t first, int64_t n, body *bodies)
     b->density = view.density[(size_t)view.mass_stride * i];
     b->count = 1.0;
   }
-  MPI_Allreduce(MPI_IN_PLACE, bodies, (int)((size_t)n * sizeof *bodies / sizeof(double)), MPI_DOUBLE,
-                MPI_SUM, comm);
+  MPI_Allreduce(MPI_IN_PLACE, bodies, (int)((size_t)n * sizeof *bodies / sizeof(double)),
+                MPI_DOUBLE, MPI_SUM, comm);
 }
 
 int world_rank(void) {

@@ -50,8 +50,8 @@ void fill_water(sph_t *sph, const scene *s, double level, int direction);
 /* Plane walls at both ends of a direction. */
 void add_planes(sph_t *sph, const scene *s, int direction, int slip);
 
-/* Small random velocities, the same for a particle on any number of ranks; before sph_start, so that
- * they are in the momentum to begin with. */
+/* Small random velocities, the same for a particle on any number of ranks; before sph_start, so
+ * that they are in the momentum to begin with. */
 void stir(sph_t *sph, const scene *s, double speed);
 
 typedef struct body {

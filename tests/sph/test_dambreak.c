@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A column of water, twice as high as wide, falls and runs against the far wall: free surface, corners, impact. The
- * front against Martin and Moyce (1952, n^2 = 2, a = 2.25 in); energy only goes down; nothing leaves the tank. */
+/* A column of water, twice as high as wide, falls and runs against the far wall: free surface,
+ * corners, impact. The front against Martin and Moyce (1952, n^2 = 2, a = 2.25 in); energy only
+ * goes down; nothing leaves the tank. */
 #include "common.h"
 
 static const double width = 0.1, g = 9.81;
@@ -22,9 +23,10 @@ static state_of look(sph_t *sph) {
   return s;
 }
 
-/* The front of the experiment at t sqrt(2 g/a) = 1.997, 2.547, 3.345, in widths: 2.292, 2.995, 4.134. Without friction,
- * and without the gate's own time, water is ahead of it: by 7 to 14 % here, as in other inviscid codes; it can not be
- * ahead of Ritter's front, 1 + 2 t sqrt(2 g/a). */
+/* The front of the experiment at t sqrt(2 g/a) = 1.997, 2.547, 3.345, in
+ * widths: 2.292, 2.995, 4.134. Without friction, and without the gate's own time, water is ahead of
+ * it: by 7 to 14 % here, as in other inviscid codes; it can not be ahead of Ritter's front, 1 + 2 t
+ * sqrt(2 g/a). */
 static void falling_column(void **state) {
   (void)state;
   const double dx = width / 16, unit = sqrt(2.0 * g / width);
@@ -59,7 +61,10 @@ static void falling_column(void **state) {
   for (int k = 0; k < 10; k++) {
     OK(sph_advance(sph, 0.05, NULL));
     const double now = look(sph).energy;
-    assert_true(now < energy + 0.01 * first); /* the fluid is a spring that gives back what an impact put into it */
+    assert_true(
+        now <
+        energy +
+            0.01 * first); /* the fluid is a spring that gives back what an impact put into it */
     energy = fmin(now, energy);
   }
   OK(sph_get_report(sph, &report));

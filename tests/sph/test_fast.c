@@ -1,7 +1,7 @@
 /* ranks: 1 2 3 4 */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The same scene by the plain loops and by the vector loops, with and without what the plan leaves out, and on any
- * number of ranks: equal to round-off. */
+/* The same scene by the plain loops and by the vector loops, with and without what the plan leaves
+ * out, and on any number of ranks: equal to round-off. */
 #include "common.h"
 
 enum { NX = 10, NY = 8, NZ = 9, N = NX * NY * NZ };
@@ -59,8 +59,8 @@ static void run(const variant *v, MPI_Comm comm, body *bodies, sph_report *repor
   sph_destroy(sph);
 }
 
-/* Velocities of 0.2 m/s and accelerations of some 100 m/s2; rounding grows in moving water. more: how much more
- * than rounding is allowed. */
+/* Velocities of 0.2 m/s and accelerations of some 100 m/s2; rounding grows in moving water. more:
+ * how much more than rounding is allowed. */
 static void same(const body *a, const body *b, double more) {
   for (int k = 0; k < N; k++)
     for (int c = 0; c < 3; c++) {
@@ -94,7 +94,8 @@ static void widths(void **state) {
   }
 }
 
-/* Walls by table or by points: the table is interpolated to 1e-7 of the walls' part, which is 1e4 times rounding. */
+/* Walls by table or by points: the table is interpolated to 1e-7 of the walls' part, which is 1e4
+ * times rounding. */
 static void skip_off(void **state) {
   (void)state;
   static body a[N], b[N];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Every kernel, in two and three dimensions: integral, slope, support, sums over lattices, the factor
- * of walls. */
+/* Every kernel, in two and three dimensions: integral, slope, support, sums over lattices, the
+ * factor of walls. */
 #include "common.h"
 
 static const double h = 0.7;
@@ -18,8 +18,10 @@ static void integral_is_1(void **state) {
       const double step = sph_kernel_support(k) * h / STEPS;
       double sum = 0.0;
       for (int s = 0; s <= STEPS; s++)
-        sum += (s == 0 || s == STEPS ? 1.0 : s % 2 ? 4.0 : 2.0) * volume_of(dim, s * step) *
-               sph_kernel_value(k, dim, h, s * step);
+        sum += (s == 0 || s == STEPS ? 1.0
+                : s % 2              ? 4.0
+                                     : 2.0) *
+               volume_of(dim, s * step) * sph_kernel_value(k, dim, h, s * step);
       CLOSE(sum * step / 3.0, 1.0, 1e-9);
     }
 }
@@ -33,8 +35,8 @@ static void slope_is_the_derivative(void **state) {
       const double top = sph_kernel_value(k, dim, h, 0.0);
       assert_true(isfinite(sph_kernel_slope(k, dim, h, 0.0)));
       for (double r = 0.013 * h; r < 1.05 * sph_kernel_support(k) * h; r += 0.0371 * h) {
-        const double slope = (sph_kernel_value(k, dim, h, r + d) - sph_kernel_value(k, dim, h, r - d)) /
-                             (2.0 * d);
+        const double slope =
+            (sph_kernel_value(k, dim, h, r + d) - sph_kernel_value(k, dim, h, r - d)) / (2.0 * d);
         CLOSE(r * sph_kernel_slope(k, dim, h, r), slope, 1e-7 * top / h);
         assert_true(slope <= 1e-9 * top / h);
       }
@@ -77,8 +79,8 @@ static sums lattice(int k, int dim, double length, const double at[3]) {
   return s;
 }
 
-/* On a node and in the middle of a cell the gradient vanishes. Bars: what these kernels have at h = 1.5
- * spacings (Wendland C4: 1.9), rounded up; a wrong norm or slope is far outside. */
+/* On a node and in the middle of a cell the gradient vanishes. Bars: what these kernels have at h
+ * = 1.5 spacings (Wendland C4: 1.9), rounded up; a wrong norm or slope is far outside. */
 static void sums_over_a_lattice(void **state) {
   (void)state;
   const double value_bar[SPH_KERNEL_COUNT] = {4e-3, 2e-4, 6e-3, 7e-4};
@@ -127,8 +129,8 @@ static void gamma_of_walls(void **state) {
 
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(integral_is_1),       cmocka_unit_test(slope_is_the_derivative),
-      cmocka_unit_test(support_ends),        cmocka_unit_test(sums_over_a_lattice),
+      cmocka_unit_test(integral_is_1),  cmocka_unit_test(slope_is_the_derivative),
+      cmocka_unit_test(support_ends),   cmocka_unit_test(sums_over_a_lattice),
       cmocka_unit_test(gamma_of_walls),
   };
   MPI_Init(&argc, &argv);

@@ -54,7 +54,8 @@ static void filling(void **state) {
   (void)state;
   scene s = scene_2d(0.2, 0.2, 0.01);
   sph_insert box;
-  double x[6] = {0.1, 0.1, 0.0, 0.11, 0.1, 0.0}, v[6] = {0.0}, volume[2] = {1e-5, 1e-5}, p[2] = {0.0};
+  double x[6] = {0.1, 0.1, 0.0, 0.11, 0.1, 0.0}, v[6] = {0.0}, volume[2] = {1e-5, 1e-5},
+         p[2] = {0.0};
   int64_t n;
   sph_t *sph = scene_create(&s);
   part_params_default(&sph_insert_table, &box);
@@ -84,10 +85,12 @@ static void filling(void **state) {
   FAILS(PART_ERR_NUMERIC, "point 1: its velocity", sph_insert_points(sph, 2, x, v, volume, p, &n));
   v[3] = 0.0;
   x[3] = 0.3;
-  FAILS(PART_ERR_OUTSIDE, "point 1 at (0.3 0.1 0) m", sph_insert_points(sph, 2, x, v, volume, p, &n));
+  FAILS(PART_ERR_OUTSIDE, "point 1 at (0.3 0.1 0) m",
+        sph_insert_points(sph, 2, x, v, volume, p, &n));
   x[3] = 0.1;
   p[1] = -1e9;
-  FAILS(PART_ERR_RANGE, "no density gives -1e+09 Pa", sph_insert_points(sph, 2, x, v, volume, p, &n));
+  FAILS(PART_ERR_RANGE, "no density gives -1e+09 Pa",
+        sph_insert_points(sph, 2, x, v, volume, p, &n));
   sph_destroy(sph);
 }
 
@@ -106,7 +109,8 @@ static void order_of_calls(void **state) {
   fill_box(sph, &s);
   OK(sph_start(sph));
   FAILS(PART_ERR_STATE, "called once", sph_start(sph));
-  FAILS(PART_ERR_STATE, "before sph_start", sph_insert_box(sph, &(sph_insert){.hydrostatic = 0}, NULL));
+  FAILS(PART_ERR_STATE, "before sph_start",
+        sph_insert_box(sph, &(sph_insert){.hydrostatic = 0}, NULL));
   FAILS(PART_ERR_RANGE, "must be positive", sph_advance(sph, 0.0, NULL));
   OK(sph_get_view(sph, &view));
   for (int i = 0; i < 500; i++)
@@ -149,7 +153,8 @@ static void errors_of_a_run(void **state) {
   s.box.periodic[0] = 1;
   sph = scene_create(&s);
   fill_box(sph, &s);
-  FAILS(PART_ERR_RANGE, "0.05 m long in its periodic direction 0; must be at least", sph_start(sph));
+  FAILS(PART_ERR_RANGE, "0.05 m long in its periodic direction 0; must be at least",
+        sph_start(sph));
   sph_destroy(sph);
 }
 

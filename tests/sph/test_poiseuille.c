@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Start-up of the flow between two plates (Markauskas et al. 2017, sec. 5.2.1 and fig. 3): 5 mm wide, 25
- * particles across, against the series solution (Morris, Fox and Zhu 1997, eq. 21). */
+/* Start-up of the flow between two plates (Markauskas et al. 2017, sec. 5.2.1 and fig. 3): 5 mm
+ * wide, 25 particles across, against the series solution (Morris, Fox and Zhu 1997, eq. 21). */
 #include "common.h"
 
 static const double width = 5e-3, nu = 5e-4, drive = 10.0;
@@ -60,8 +60,8 @@ static void run(const scene *s, const double *times, int n, double *errors) {
   sph_destroy(sph);
 }
 
-/* Figure 3: the bar is 1 % of the peak, with h = 1.2 dx as in the paper for the splines; the Wendland kernels need more
- * neighbours (h = 1.6 dx). */
+/* Figure 3: the bar is 1 % of the peak, with h = 1.2 dx as in the paper for the splines; the
+ * Wendland kernels need more neighbours (h = 1.6 dx). */
 static void profiles(void **state) {
   (void)state;
   const double times[3] = {1.2e-3, 6e-3, 30e-3};
@@ -71,14 +71,16 @@ static void profiles(void **state) {
     if (k == SPH_KERNEL_wendland_c2 || k == SPH_KERNEL_wendland_c4)
       s.params.smoothing_length = 1.6 * s.params.spacing;
     run(&s, times, 3, errors);
-    print_message("kernel %d: error %.4f %.4f %.4f of the peak\n", k, errors[0], errors[1], errors[2]);
+    print_message("kernel %d: error %.4f %.4f %.4f of the peak\n", k, errors[0], errors[1],
+                  errors[2]);
     for (int m = 0; m < 3; m++)
       CLOSE(errors[m], 0.0, 0.01);
   }
 }
 
-/* At fixed h/dx the sums over neighbours keep an error that no refinement takes away; that of the quintic spline at
- * 1.2 dx (0.04 %, test_kernels) is far below the others here, so its order shows: at least 1.5. */
+/* At fixed h/dx the sums over neighbours keep an error that no refinement takes away; that of the
+ * quintic spline at 1.2 dx (0.04 %, test_kernels) is far below the others here, so its order shows:
+ * at least 1.5. */
 static void order_of_refinement(void **state) {
   (void)state;
   const double times[3] = {1.2e-3, 6e-3, 30e-3};

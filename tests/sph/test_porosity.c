@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flow without friction through a fixed region of porosity 0.7, periodic: the flux eps u is the same everywhere, the
- * pressure follows Bernoulli, p + rho (eps u) u = const (S.1 with f = 0), and density diffusion takes out the noise
- * that particles make as they are squeezed. */
+/* Flow without friction through a fixed region of porosity 0.7, periodic: the flux eps u is the
+ * same everywhere, the pressure follows Bernoulli, p + rho (eps u) u = const (S.1 with f = 0), and
+ * density diffusion takes out the noise that particles make as they are squeezed. */
 #include "common.h"
 
 enum { COLUMNS = 60, ROWS = 12 };
@@ -15,7 +15,8 @@ static double eps_of(double x) {
 /* Columns of equal mass, farther apart where eps is less, with the velocity of the steady flow. */
 static void fill(sph_t *sph, const scene *s) {
   enum { PARTS = 60000 };
-  static double x[3 * COLUMNS * ROWS], v[3 * COLUMNS * ROWS], volume[COLUMNS * ROWS], p[COLUMNS * ROWS];
+  static double x[3 * COLUMNS * ROWS], v[3 * COLUMNS * ROWS], volume[COLUMNS * ROWS],
+      p[COLUMNS * ROWS];
   double all = 0.0, so_far = 0.0;
   int n = 0, column = 0;
   for (int k = 0; k < PARTS; k++)
@@ -65,7 +66,8 @@ static void sample(sph_t *sph, bins *b) {
   }
 }
 
-/* rms of p about its mean in a column at one moment, over rho flux^2; largest error of the mean eps u. */
+/* rms of p about its mean in a column at one moment, over rho flux^2; largest error of the mean eps
+ * u. */
 static double noise(double delta, double *flux_error) {
   scene s = scene_2d(length, ROWS * dx, dx);
   double squares = 0.0, number = 0.0, n[COLUMNS] = {0.0}, u[COLUMNS] = {0.0}, eps[COLUMNS * ROWS];
@@ -106,8 +108,8 @@ static void step_of_porosity(void **state) {
   (void)state;
   double error[2];
   const double with = noise(0.1, &error[0]), without = noise(0.0, &error[1]);
-  print_message("noise %.4f with density diffusion, %.4f without; flux off by %.4f and %.4f\n", with, without, error[0],
-                error[1]);
+  print_message("noise %.4f with density diffusion, %.4f without; flux off by %.4f and %.4f\n",
+                with, without, error[0], error[1]);
   CLOSE(with, 0.0, 0.02);
   assert_true(without > 5.0 * with);
   CLOSE(error[0], 0.0, 0.03);

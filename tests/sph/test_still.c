@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Water at rest in a tank, from a square lattice with hydrostatic pressure: it stays hydrostatic, hardly moves, and
- * the walls carry its weight. The lattice is not stable under its own weight (the splines least): it rearranges
- * by itself from round-off on, within 1 to 2 s, first in the corners. */
+/* Water at rest in a tank, from a square lattice with hydrostatic pressure: it stays hydrostatic,
+ * hardly moves, and the walls carry its weight. The lattice is not stable under its own weight (the
+ * splines least): it rearranges by itself from round-off on, within 1 to 2 s, first in the corners.
+ */
 #include "common.h"
 
 static const double g = 9.81, depth_of_water = 0.2;
@@ -61,8 +62,9 @@ static void stay(int dim, double dx, int slip, double time) {
     OK(sph_get_wall_force(sph, w, force, impulse));
     carried -= force[dim - 1];
   }
-  print_message("%d-D, dx %g, slip %d: pressure %.4f, rms %.4f, speed %.2e, carried %.5f, %lld steps\n", dim, dx, slip,
-                r.pressure, r.rms, r.speed, carried / weight, report.steps);
+  print_message(
+      "%d-D, dx %g, slip %d: pressure %.4f, rms %.4f, speed %.2e, carried %.5f, %lld steps\n", dim,
+      dx, slip, r.pressure, r.rms, r.speed, carried / weight, report.steps);
   CLOSE(report.budget_error, 0.0, 1e-12);
   CLOSE(r.pressure, 0.0, 0.02);
   CLOSE(r.rms, 0.0, 0.01);
@@ -71,8 +73,9 @@ static void stay(int dim, double dx, int slip, double time) {
   sph_destroy(sph);
 }
 
-/* 20 particles deep: 2 % of the pressure at the bottom is 0.4 spacings of water. Early there is a slow up and down of
- * all the water (rms 0.7 %); once rearranged, particles in the corners are worst (rms 0.3 %). */
+/* 20 particles deep: 2 % of the pressure at the bottom is 0.4 spacings of water. Early there is a
+ * slow up and down of all the water (rms 0.7 %); once rearranged, particles in the corners are
+ * worst (rms 0.3 %). */
 static void in_the_plane(void **state) {
   (void)state;
   stay(2, 0.01, SPH_NO_SLIP, 0.2);

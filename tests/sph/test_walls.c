@@ -2,9 +2,10 @@
 /* Walls of triangles do what planes do; a sliding wall drags the fluid; bad walls are refused. */
 #include "common.h"
 
-/* Square in the plane x[axis] = at, from lo to hi in the two other directions, of 2 m m triangles whose normal is
- * along `sign` axis. */
-static int square(int axis, double at, double sign, const double lo[3], const double hi[3], int m, double *v) {
+/* Square in the plane x[axis] = at, from lo to hi in the two other directions, of 2 m m triangles
+ * whose normal is along `sign` axis. */
+static int square(int axis, double at, double sign, const double lo[3], const double hi[3], int m,
+                  double *v) {
   const int p = (axis + 1) % 3, q = (axis + 2) % 3;
   const int corner[6][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
   for (int a = 0; a < m; a++)
@@ -41,7 +42,8 @@ static void run(int closed, int flat, body *first, body *bodies) {
     int n = 0;
     for (int axis = 0; axis < 3; axis++)
       for (int end = 0; end < 2; end++)
-        n += square(axis, end ? s.box.hi[axis] : 0.0, end ? -1.0 : 1.0, s.box.lo, s.box.hi, 3, v + 9 * n);
+        n += square(axis, end ? s.box.hi[axis] : 0.0, end ? -1.0 : 1.0, s.box.lo, s.box.hi, 3,
+                    v + 9 * n);
     OK(sph_add_wall(sph, "box", &wall, n, v));
   } else {
     const double lo[3] = {-0.05, -0.05, 0.0}, hi[3] = {0.13, 0.13, 0.0};
@@ -60,9 +62,9 @@ static void run(int closed, int flat, body *first, body *bodies) {
   sph_destroy(sph);
 }
 
-/* Away from the corners the first accelerations are the same (they are of the order of g) but for the interpolation
- * of the table that planes use. In corners they differ a
- * little: a corner's points belong to the deepest of planes, but to the nearest of triangles. */
+/* Away from the corners the first accelerations are the same (they are of the order of g) but for
+ * the interpolation of the table that planes use. In corners they differ a little: a corner's
+ * points belong to the deepest of planes, but to the nearest of triangles. */
 static void triangles_are_planes(void **state) {
   (void)state;
   static body a[N], b[N], c[N], from[3][N];
@@ -82,8 +84,8 @@ static void triangles_are_planes(void **state) {
   CLOSE(worst, 0.0, 0.02 * 0.01);
 }
 
-/* Couette flow: half-way between a wall at rest and one that slides, in the end half of its speed. The wall feels the
- * shear mu U/L. Bar 1 %. */
+/* Couette flow: half-way between a wall at rest and one that slides, in the end half of its speed.
+ * The wall feels the shear mu U/L. Bar 1 %. */
 static void sliding_wall(void **state) {
   (void)state;
   scene s = scene_2d(0.1, 0.2, 0.01);
@@ -107,7 +109,8 @@ static void sliding_wall(void **state) {
   sph_view view;
   OK(sph_get_view(sph, &view));
   for (int i = 0; i < view.own; i++)
-    CLOSE(view.velocity[view.xv_stride * i], speed * view.position[view.xv_stride * i + 1] / 0.2, 0.01 * speed);
+    CLOSE(view.velocity[view.xv_stride * i], speed * view.position[view.xv_stride * i + 1] / 0.2,
+          0.01 * speed);
   OK(sph_get_wall_force(sph, 1, force, impulse));
   CLOSE(force[0] / (-mu * speed / 0.2 * 0.1 * s.params.depth), 1.0, 0.02);
   OK(sph_get_wall_force(sph, 0, force, impulse));
@@ -131,7 +134,8 @@ static void bad_walls(void **state) {
   mesh = plane;
   plane.type = SPH_PLANE;
   mesh.type = SPH_TRIANGLES;
-  FAILS(PART_ERR_RANGE, "wall a: entry normal must be given", sph_add_wall(sph, "a", &plane, 0, NULL));
+  FAILS(PART_ERR_RANGE, "wall a: entry normal must be given",
+        sph_add_wall(sph, "a", &plane, 0, NULL));
   plane.normal[2] = 1.0;
   FAILS(PART_ERR_ARGUMENT, "no triangles", sph_add_wall(sph, "a", &plane, 1, v));
   plane.normal[0] = 1.0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Flows with closed forms in periodic boxes: a sound wave, decaying vortices (Taylor and Green 1937), and the
- * momentum that nothing changes. */
+/* Flows with closed forms in periodic boxes: a sound wave, decaying vortices (Taylor and Green
+ * 1937), and the momentum that nothing changes. */
 #include "common.h"
 
 static double wave_number;
@@ -37,9 +37,10 @@ static double discrete_gradient(const scene *s) {
   return sum / wave_number;
 }
 
-/* A standing wave of 32 dx: v = V sin(kx) cos(c_m k t). The first two zeros of the amplitude are half a
- * period apart; c_m = c/sqrt(eps) times the discrete gradient over k, about 1 - (k h)^2/6: bar 0.3 %,
- * for the step and the interpolation of the zeros. Without viscosity and diffusion the amplitude stays. */
+/* A standing wave of 32 dx: v = V sin(kx) cos(c_m k t). The first two zeros of the amplitude are
+ * half a period apart; c_m = c/sqrt(eps) times the discrete gradient over k, about 1 - (k h)^2/6:
+ * bar 0.3 %, for the step and the interpolation of the zeros. Without viscosity and diffusion the
+ * amplitude stays. */
 static double wave_speed(int scheme, double eps, double *kept) {
   scene s = scene_2d(0.32, 0.08, 0.01);
   double before = 0.0, zero[2], most = 0.0;
@@ -78,8 +79,8 @@ static void speed_of_sound(void **state) {
   for (int scheme = 0; scheme < 2; scheme++) {
     double kept;
     const double c = wave_speed(scheme, 1.0, &kept), c_half = wave_speed(scheme, 0.5, &kept);
-    print_message("scheme %d: speed of sound %.4f and %.4f of what it should be, amplitude %.4f\n", scheme,
-                  c, c_half, kept);
+    print_message("scheme %d: speed of sound %.4f and %.4f of what it should be, amplitude %.4f\n",
+                  scheme, c, c_half, kept);
     CLOSE(c, 1.0, 0.003);
     CLOSE(c_half, 1.0, 0.003);
     CLOSE(kept, 1.0, 0.01);
@@ -96,10 +97,10 @@ static void set_vortices(sph_t *sph, double speed) {
   }
 }
 
-/* Kinetic energy decays as exp(-4 nu k^2 t); Re = U L/nu = 10. The rate between t = 0.01 and 0.06 L/U. A
- * background pressure keeps the particles even. Bars: on the lattice they begin on, the sum that stands
- * for the second derivative of S.9 is 3.4 % large for this flow at h = 1.6 dx and 1.6 % at 2 dx (S.8:
- * below 0.5 %). */
+/* Kinetic energy decays as exp(-4 nu k^2 t); Re = U L/nu = 10. The rate between t = 0.01 and 0.06
+ * L/U. A background pressure keeps the particles even. Bars: on the lattice they begin on, the sum
+ * that stands for the second derivative of S.9 is 3.4 % large for this flow at h = 1.6 dx and 1.6 %
+ * at 2 dx (S.8: below 0.5 %). */
 static double vortex_decay(int viscosity, int scheme) {
   const double length = 1.0, speed = 0.1, nu = 0.01, dx = 0.02;
   scene s = scene_2d(length, length, dx);
@@ -132,12 +133,14 @@ static void decaying_vortices(void **state) {
   for (int viscosity = 0; viscosity < 2; viscosity++)
     for (int scheme = 0; scheme < 2; scheme++) {
       const double rate = vortex_decay(viscosity, scheme);
-      print_message("viscosity %d, scheme %d: rate %.4f of the closed form\n", viscosity, scheme, rate);
+      print_message("viscosity %d, scheme %d: rate %.4f of the closed form\n", viscosity, scheme,
+                    rate);
       CLOSE(rate, 1.0, 0.03);
     }
 }
 
-/* Random velocities, every term at work, three dimensions, porosity that varies; no wall, no gravity. */
+/* Random velocities, every term at work, three dimensions, porosity that varies; no wall, no
+ * gravity. */
 static void momentum_is_kept(void **state) {
   (void)state;
   const double length[3] = {0.1, 0.1, 0.1};
