@@ -17,6 +17,9 @@
 #include "coupling/void_fractions.def"
 #undef CPL_VOID_FRACTION
 
+/* Method kernel: how far it reaches, over the radius of the sphere. */
+double cpl_kernel_reach(double bandwidth);
+
 /* For tests of subCell: mark[i + n (j + n k)] = 1 for the sub-cells of one cell that count, else 0;
  * and the centres of all its sub-cells, point[n^3][3] (those of a polyhedron may be outside of it).
  */

@@ -13,6 +13,7 @@ struct cpl_rendezvous {
   MPI_Comm comm;
   int size, rank;
   part_box box;
+  double reach; /* how far a sphere is felt, over its radius */
   cpl_bins bins;
   int *stamp; /* [size] number of the last image that visits the rank */
   int stamp_now;
@@ -30,12 +31,13 @@ struct cpl_rendezvous {
 };
 
 int cpl_rendezvous_create(MPI_Comm comm, int cells, const cpl_search *search, const part_box *box,
-                          cpl_rendezvous **rendezvous) {
+                          double reach, cpl_rendezvous **rendezvous) {
   cpl_rendezvous *r = calloc(1, sizeof *r);
   int status = r ? PART_OK : part_fail(PART_ERR_MEMORY, "coupling: no memory for the rendezvous");
   PART_TRY(part_agree(comm, status));
   r->comm = comm;
   r->box = *box;
+  r->reach = reach;
   MPI_Comm_size(comm, &r->size);
   MPI_Comm_rank(comm, &r->rank);
   r->stamp = calloc((size_t)r->size, sizeof *r->stamp);
@@ -109,8 +111,10 @@ static int visit_ranks(cpl_rendezvous *r, int particle, const double sphere[4]) 
   const cpl_bins *bins = &r->bins;
   int from[3], to[3];
   for (int k = 0; k < 3; k++) {
-    const double lo = sphere[k] - sphere[3], hi = sphere[k] + sphere[3];
-    if (hi < bins->lo[k] || lo > bins->hi[k])
+    const double felt = r->reach * sphere[3], lo = sphere[k] - felt, hi = sphere[k] + felt;
+    /* a sphere outside the mesh is lost, however far its kernel reaches */
+    if (sphere[k] + sphere[3] < bins->lo[k] - (felt - sphere[3]) * r->box.periodic[k] ||
+        sphere[k] - sphere[3] > bins->hi[k] + (felt - sphere[3]) * r->box.periodic[k])
       return PART_OK;
     /* the part of a bin covers the round-off of the bins' own borders */
     const double a = (lo - bins->lo[k]) / bins->edge[k] - 1e-9;
@@ -162,12 +166,15 @@ static int check_sphere(const cpl_rendezvous *r, const double *x, double radius,
     return part_fail(PART_ERR_RANGE,
                      "coupling: the radius of particle %lld is %g m; it must be > 0", (long long)id,
                      radius);
-  for (int k = 0; k < 3; k++)
-    if (r->box.periodic[k] && 2.0 * radius > r->box.hi[k] - r->box.lo[k])
+  for (int k = 0; k < 3; k++) {
+    const double length = r->box.hi[k] - r->box.lo[k];
+    if (r->box.periodic[k] && 2.0 * r->reach * radius > length)
       return part_fail(PART_ERR_RANGE,
-                       "coupling: the diameter %g m of particle %lld is larger than the periodic "
+                       "coupling: the diameter %g m of particle %lld%s is larger than the periodic "
                        "length %g m of direction %d",
-                       2.0 * radius, (long long)id, r->box.hi[k] - r->box.lo[k], k);
+                       2.0 * r->reach * radius, (long long)id,
+                       r->reach > 1.0 ? " with its kernel (2 bandwidth/0.45)" : "", length, k);
+  }
   return PART_OK;
 }
 
@@ -175,7 +182,7 @@ static int visit_images(cpl_rendezvous *r, int particle, const double *position,
   double x[3] = {position[0], position[1], position[2]}, shift[3][2];
   int n[3];
   for (int k = 0; k < 3; k++)
-    n[k] = images(&r->box, k, &x[k], radius, shift[k]);
+    n[k] = images(&r->box, k, &x[k], r->reach * radius, shift[k]);
   for (int c = 0; c < n[2]; c++)
     for (int b = 0; b < n[1]; b++)
       for (int a = 0; a < n[0]; a++) {

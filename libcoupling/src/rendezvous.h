@@ -17,10 +17,11 @@
 
 typedef struct cpl_rendezvous cpl_rendezvous;
 
-/* Collective. cells: of this rank. comm is used, not duplicated. ERR_ARGUMENT: no rank has cells;
- * ERR_RANGE: a periodic direction without length. */
+/* Collective. cells: of this rank; reach (>= 1): how far spheres are felt, over their radius. comm
+ * is used, not duplicated. ERR_ARGUMENT: no rank has cells; ERR_RANGE: a periodic direction without
+ * length. */
 int cpl_rendezvous_create(MPI_Comm comm, int cells, const cpl_search *search, const part_box *box,
-                          cpl_rendezvous **rendezvous);
+                          double reach, cpl_rendezvous **rendezvous);
 void cpl_rendezvous_destroy(cpl_rendezvous *rendezvous);
 
 /* Local. The visits of own particles. ERR_NUMERIC: a position or radius that is not finite;

@@ -239,3 +239,7 @@ void cpl_search_done(cpl_search *s) {
     s->state[s->queue[q]] = CPL_UNSEEN;
   s->queued = 0;
 }
+
+void cpl_search_set_reach(cpl_search *s, double reach) {
+  s->kernel_reach = reach;
+}

@@ -16,6 +16,9 @@ void cpl_search_bounds(const cpl_search *search, double lo[3], double hi[3]);
 void cpl_search_mark(const cpl_search *search, const double lo[3], const double bin[3],
                      const int n[3], unsigned char *mark);
 
+/* Reach of the method kernel, over the radius. */
+void cpl_search_set_reach(cpl_search *search, double reach);
+
 /* Cell of this rank that contains x, -1 if none; hint: a cell to try first, or -1. Ties on faces
  * go to the lowest cell number. */
 int cpl_search_cell(cpl_search *search, const double x[3], int hint);

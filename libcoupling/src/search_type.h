@@ -35,6 +35,8 @@ struct cpl_search {
   double bin_inverse[3];
   int *bin_start, *bin_cell;
 
+  double kernel_reach; /* of the method kernel, over the radius */
+
   /* state of one overlap; all of state is 0 between calls */
   unsigned char *state; /* [cells] */
   double *volume;       /* [cells] */

@@ -3,6 +3,7 @@
 #include <math.h>
 #include <string.h>
 #include "memory.h"
+#include "overlap_methods.h"
 #include "rendezvous.h"
 #include "sphere.h"
 #include "void_fractions.h"
@@ -42,7 +43,10 @@ int cpl_weights_create(MPI_Comm comm, const cpl_mesh *mesh, cpl_search *search, 
   w->search = search;
   w->method = params->void_fraction;
   w->sub_cells = (int)params->sub_cells;
-  status = cpl_rendezvous_create(comm, mesh->cells, search, box, &w->rendezvous);
+  const double reach =
+      w->method == CPL_VOID_FRACTION_kernel ? cpl_kernel_reach(params->bandwidth) : 1.0;
+  cpl_search_set_reach(search, reach);
+  status = cpl_rendezvous_create(comm, mesh->cells, search, box, fmax(reach, 1.0), &w->rendezvous);
   if (status != PART_OK) {
     cpl_weights_destroy(w);
     return status;
@@ -74,7 +78,9 @@ static int agree(const cpl_weights *w, int status) {
 /* Row k by a method, appended to the list; its volume to row_value[k * stride]. */
 static int make_row(cpl_weights *w, int method, int k, int stride) {
   const double *sphere = cpl_rendezvous_spheres(w->rendezvous) + 4 * (size_t)k;
-  const double smallest = NOISE * cpl_sphere_volume(sphere[3]);
+  /* a bell has no edges that round-off could move */
+  const double smallest =
+      method == CPL_VOID_FRACTION_kernel ? 0.0 : NOISE * cpl_sphere_volume(sphere[3]);
   const int first = w->list.count;
   w->start.data[k] = first;
   w->length.data[k] = 0;

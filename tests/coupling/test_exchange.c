@@ -57,6 +57,14 @@ static const struct {
      {.kind = MESH_HEX, .n = {5, 4, 4}, .hi = {1, 1, 1}, .periodic = {1, 0, 1}},
      CPL_VOID_FRACTION_subCell,
      0},
+    {"kernel, periodic",
+     {.kind = MESH_HEX, .n = {5, 4, 4}, .hi = {1, 1, 1}, .periodic = {1, 0, 1}},
+     CPL_VOID_FRACTION_kernel,
+     1},
+    {"kernel, tetrahedra",
+     {.kind = MESH_TET, .n = {3, 3, 3}, .hi = {1, 1, 1}},
+     CPL_VOID_FRACTION_kernel,
+     1},
 };
 enum { VARIANTS = sizeof variant / sizeof *variant };
 
@@ -67,6 +75,7 @@ static void start(scene *s, int v, MPI_Comm comm, double r_max, uint64_t seed) {
   const cpl_fluid fluid = scene_water();
   params.void_fraction = variant[v].method;
   params.sub_cells = 10;
+  params.bandwidth = 0.7; /* of kernel: it spans less than the period */
   scene_random(&variant[v].options, MANY, 0.01, r_max, seed, all);
   scene_mesh(s, comm, &variant[v].options, variant[v].random_cells);
   if (scene_start(s, &params, &fluid) != PART_OK)

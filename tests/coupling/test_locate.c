@@ -24,7 +24,7 @@ static void one_bad(scene *s, const particle *bad, int status, const char *word,
 static void test_bad_particles(void **state) {
   (void)state;
   const mesh_options options = {.kind = MESH_HEX, .n = {4, 4, 4}, .hi = {1, 1, 1}};
-  for (int method = 0; method < 3; method++) {
+  for (int method = 0; method < CPL_VOID_FRACTION_COUNT; method++) {
     scene s;
     scene_make(&s, MPI_COMM_WORLD, &options, 0, method);
     particle p = {{1.3, 0.5, 0.25}, 0.1, {0, 0, 0}, 1000.0, 0};

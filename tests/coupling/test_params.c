@@ -33,7 +33,8 @@ static void test_names(void **state) {
                 {"model", "A", CPL_MODEL_A},
                 {"voidFraction", "exact", 0},
                 {"voidFraction", "subCell", 1},
-                {"voidFraction", "centre", 2}};
+                {"voidFraction", "centre", 2},
+                {"voidFraction", "kernel", 3}};
   for (size_t k = 0; k < sizeof choice / sizeof *choice; k++) {
     assert_int_equal(part_params_set(&cpl_params_table, choice[k].entry, NULL, choice[k].word, &p),
                      PART_OK);

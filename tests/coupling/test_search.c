@@ -8,6 +8,7 @@
 #include <string.h>
 #include <cmocka.h>
 
+#include "../../libcoupling/src/void_fractions.h"
 #include "../../libcoupling/src/overlap.h"
 #include "../../libcoupling/src/search_type.h"
 #include "overlap_case.h"
@@ -175,11 +176,11 @@ static void no_cells(void **state) {
   cpl_search_bounds(search, lo, hi);
   assert_true(lo[0] > hi[0]);
   assert_int_equal(cpl_search_cell(search, x, -1), -1);
-  for (int method = 0; method < 3; method++)
+  for (int method = 0; method < CPL_VOID_FRACTION_COUNT; method++)
     assert_int_equal(cpl_overlap(method, search, 40, x, 0.3, &hint, &list), PART_OK);
   assert_int_equal(list.count, 0);
   assert_int_equal(hint, -1);
-  assert_int_equal(cpl_overlap(3, search, 40, x, 0.3, &hint, &list), PART_ERR_ARGUMENT);
+  assert_int_equal(cpl_overlap(CPL_VOID_FRACTION_COUNT, search, 40, x, 0.3, &hint, &list), PART_ERR_ARGUMENT);
   cpl_overlaps_free(&list);
   cpl_search_destroy(search);
   mesh_free(&none);

@@ -278,6 +278,33 @@ static void test_mesh_independence(void **state) {
   assert_near(largest[1], largest[2], 0.033 * largest[2]);
 }
 
+/* voidFraction kernel: K(xi) of Gao and Sun at the centres of the cells, normalised. */
+static void test_kernel_method(void **state) {
+  (void)state;
+  mesh_options options = MESH_UNIT(MESH_HEX, 8, 8, 8);
+  const particle one = {{0.47, 0.52, 0.49}, 0.05, {0, 0, 0}, 1000.0, 0};
+  scene s;
+  scene_mesh(&s, MPI_COMM_SELF, &options, 0);
+  cpl_params params = scene_params();
+  params.void_fraction = CPL_VOID_FRACTION_kernel;
+  params.bandwidth = 1.35; /* w = 1.35/0.45 diameters = 0.3 */
+  const cpl_fluid fluid = scene_water();
+  assert_int_equal(scene_start(&s, &params, &fluid), PART_OK);
+  assert_near(scene_fill(&s, 1, &one), 0.0, 1e-14);
+  double sum = 0.0, k[512];
+  for (int c = 0; c < 512; c++) {
+    const double *x = s.mesh.view.cell_centre + 3 * (size_t)c;
+    double xi2 = 0.0;
+    for (int d = 0; d < 3; d++)
+      xi2 += (x[d] - one.x[d]) * (x[d] - one.x[d]) / 0.09;
+    k[c] = xi2 < 1.0 ? pow(1.0 - xi2, 4.0) : 0.0;
+    sum += k[c];
+  }
+  for (int c = 0; c < 512; c++)
+    assert_near(scene_solid(&s, c), scene_volume(&one) * k[c] / sum, 1e-15);
+  scene_free(&s);
+}
+
 static void expect(cpl_params *params, const char *word) {
   mesh_options options = MESH_UNIT(MESH_HEX, 2, 2, 2);
   scene s;
@@ -301,9 +328,13 @@ static void test_needs(void **state) {
 int main(int argc, char **argv) {
   MPI_Init(&argc, &argv);
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_kept),     cmocka_unit_test(test_width),
-      cmocka_unit_test(test_too_wide), cmocka_unit_test(test_exchange),
-      cmocka_unit_test(test_needs),    cmocka_unit_test(test_mesh_independence),
+      cmocka_unit_test(test_kept),
+      cmocka_unit_test(test_width),
+      cmocka_unit_test(test_too_wide),
+      cmocka_unit_test(test_exchange),
+      cmocka_unit_test(test_needs),
+      cmocka_unit_test(test_kernel_method),
+      cmocka_unit_test(test_mesh_independence),
   };
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);
   MPI_Finalize();
