@@ -124,7 +124,17 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
     mesh, dimensionedVector(dimAcceleration, Zero), extrapolatedPatchTypes(mesh)
   )
 {
-  readParams(couplingDict_, cpl_params_table, &params_);
+  readParams(couplingDict_, cpl_params_table, &params_, wordList({"frozenFlow"}));
+  if (couplingDict_.found("frozenFlow"))
+  {
+    if (params_.two_way)
+    {
+      FatalIOErrorInFunction(couplingDict_)
+          << "entry 'twoWay' can not be on with frozenFlow: a flow that is not solved can not feel the"
+          << " particles; allowed: off" << exit(FatalIOError);
+    }
+    frozen_.reset(new frozenFlow(mesh, couplingDict_.subDict("frozenFlow")));
+  }
   if (params_.model == CPL_MODEL_A && params_.two_way && !params_.pressure_gradient)
   {
     FatalIOErrorInFunction(couplingDict_)
@@ -335,6 +345,7 @@ void particlePhase::write()
 
 void particlePhase::reportPlan(Ostream& os) const
 {
+  if (frozen_.valid()) frozen_->reportPlan(os);
   char text[4096];
   system_.reportPlan(os);
   if (still_) os << "locate, void fraction | no particle can move | worked out once" << nl;

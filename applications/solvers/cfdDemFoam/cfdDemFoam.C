@@ -52,6 +52,11 @@ int main(int argc, char* argv[])
     ++runTime;
     Info<< "Time = " << runTime.timeName() << ", deltaT = " << runTime.deltaTValue() << nl;
     const scalar dt = runTime.deltaTValue();
+    if (frozenFlow* flow = solids.frozen())
+    {
+      #include "frozenStep.H"
+      continue;
+    }
 
     solids.begin(U, stress);       // fluid force on the particles
     solids.advance(dt, eps, vp, ap); // contact steps; where the particles are
