@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What cpl_points_t keeps between calls, for the files that implement points.h. */
+#ifndef COUPLING_POINTS_TYPE_H
+#define COUPLING_POINTS_TYPE_H
+
+#include "coupling/points.h"
+#include "memory.h"
+#include "particle/exchange.h"
+#include "points_table.h"
+
+enum cpl_points_stage { POINTS_LOCATE, POINTS_POROSITY, POINTS_FORCE, POINTS_REACTION, POINTS_STAGES };
+
+/* A sphere as seen from a rank with points in its reach. */
+typedef struct cpl_points_visit {
+  double x[3], radius, diameter; /* m; diameter: of the drag law */
+  double mirrored;               /* 1: image behind a plane, for eps alone */
+} cpl_points_visit;
+
+enum { POINTS_GROUPS = 3 }; /* directions of planes */
+
+struct cpl_points_t {
+  MPI_Comm comm;
+  int size, rank;
+  part_box box;
+  cpl_points_params params;
+  cpl_fluid fluid;
+  cpl_points_kernel kernel;
+  int groups, in_group[POINTS_GROUPS];
+  cpl_points_plane plane[POINTS_GROUPS][2];
+  cpl_points_table_data table;
+  part_timers *timers;
+  int stage[POINTS_STAGES];
+
+  /* as located: own particles and their visits, to all ranks */
+  int count, located, sent, received, reals; /* reals: received visits that are not mirrored, first */
+  double reach;
+  CPL_ARRAY(int64_t) id;
+  CPL_ARRAY(double) volume;   /* [count] m3 */
+  CPL_ARRAY(int) particle;    /* [sent] */
+  CPL_ARRAY(int) destination; /* [sent] */
+  CPL_ARRAY(cpl_points_visit) sent_visit, visit;
+  part_exchange *plan;
+  CPL_ARRAY(double) bounds; /* [size][6] of the points of each rank */
+  CPL_ARRAY(double) send_buffer, receive_buffer;
+
+  /* points of this rank, and pairs in rows of received visits */
+  int points;
+  CPL_ARRAY(int) order;   /* [points] bin order -> caller's */
+  CPL_ARRAY(double) place; /* [points][3] in bin order */
+  CPL_ARRAY(size_t) start; /* [received + 1] */
+  CPL_ARRAY(int) partner;  /* caller's index of the point */
+  CPL_ARRAY(double) weight; /* K_ia, 1/m3; a mirrored visit has rows too */
+  CPL_ARRAY(int) bin_start;
+  CPL_ARRAY(int) bin_of;
+  CPL_ARRAY(double) solid;   /* [points] sum_i V_i K_ia */
+  CPL_ARRAY(double) by_size; /* [points] sum_i V_i K_ia/d_i, when the law needs sizes */
+  CPL_ARRAY(double) eps;     /* [points] */
+  CPL_ARRAY(double) share;   /* [points] V_a of the last force */
+
+  /* of the last force, in that order of particles */
+  int force_count;
+  int64_t outside;
+  double drag_rate; /* 1/s, largest of own particles */
+  CPL_ARRAY(double) sum; /* [count] S_i */
+  CPL_ARRAY(double) sampled_eps, velocity, wet;
+  CPL_ARRAY(double) work, work2;
+  CPL_ARRAY(int64_t) id_work;
+  cpl_budget budget;
+  int has_budget;
+};
+
+static inline const double *points_at(const double *base, int stride, int i) {
+  return base + (size_t)i * (size_t)stride;
+}
+
+/* points_visits.c */
+int points_check_planes(cpl_points_t *p, int planes, const cpl_points_plane *plane);
+int points_make_visits(cpl_points_t *p, const cpl_particles *particles); /* local */
+int points_send_visits(cpl_points_t *p);                                /* collective */
+/* Collective. value[count][n] of own particles -> [received][n]; and back, summed: value is written. */
+int points_forward(cpl_points_t *p, int n, const double *value, double **received);
+int points_back(cpl_points_t *p, int n, double *received, double *value);
+/* points_pairs.c */
+int points_make_pairs(cpl_points_t *p, const cpl_fluid_points *fluid); /* local */
+/* drag laws that want the mean size around: forces.c keeps its own list */
+int points_uses_sizes(const cpl_points_t *p);
+
+#endif

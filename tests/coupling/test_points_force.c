@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* ranks: 1 2 3 4
+ * Force of fluid points on particles and its reaction (equations P.5 to P.8). */
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdlib.h>
+#include <string.h>
+#include <cmocka.h>
+#include "points_scene.h"
+
+static const double PI = 3.14159265358979323846;
+
+/* A sphere in uniform flow feels its law, exactly: normalised sums of a constant are the constant. */
+static void test_law(void **state) {
+  (void)state;
+  const double u[3] = {0.02, -0.03, 0.05}, radius = 0.004;
+  for (int law = 0; law < cpl_drag_count(); law++)
+    for (int form = 0; form < 2; form++) {
+      points_scene s;
+      double *points, sphere[SPHERE_WIDTH] = {0.52, 0.47, 0.5, radius, 0.01, 0.0, -0.01, 1.0};
+      points_scene_init(&s, MPI_COMM_WORLD, 0.2, 1);
+      s.params.drag = law;
+      s.params.form = form;
+      assert_int_equal(points_scene_start(&s, 0, NULL), PART_OK);
+      const int n = points_lattice(&s.box, 10, 0.5, &points);
+      for (int a = 0; a < n; a++) {
+        memcpy(points + a * POINT_WIDTH + PU, u, sizeof u);
+        points[a * POINT_WIDTH + PA + 1] = 3.0;
+      }
+      points_scene_spheres(&s, 1, sphere, law);
+      points_scene_points(&s, n, points, 0);
+      assert_int_equal(cpl_points_locate(s.points, &s.view, &s.fluid_view), PART_OK);
+      assert_int_equal(cpl_points_porosity(s.points, &s.fluid_view), PART_OK);
+      assert_int_equal(cpl_points_force(s.points, &s.view, &s.fluid_view), PART_OK);
+      for (int i = 0; i < s.view.count; i++) {
+        const double *row = s.sphere, *su = row + SSU, volume = 4.0 / 3.0 * PI * pow(radius, 3);
+        const double eps = cpl_points_sampled_eps(s.points)[0];
+        double slip = 0.0;
+        for (int c = 0; c < 3; c++)
+          slip += (u[c] - row[SV + c]) * (u[c] - row[SV + c]);
+        const double beta =
+            cpl_drag_function(law)(sqrt(slip), 2.0 * radius, eps, 1000.0, 1e-3, 2.0 * radius) /
+            (form == CPL_POINTS_COMBINED ? eps : 1.0);
+        assert_true(eps < 1.0 && eps > 0.9999);
+        assert_near(row[SSP], beta, 1e-12 * beta);
+        for (int c = 0; c < 3; c++) {
+          double other = form == CPL_POINTS_GRADIENT && c == 1 ? volume * 1000.0 * 3.0 : 0.0;
+          if (form == CPL_POINTS_COMBINED && c == 2)
+            other = volume * 1000.0 * 9.81;
+          assert_near(su[c], beta * u[c] + other, 1e-12 * (beta * 0.1 + volume * 1e4));
+        }
+        assert_near(cpl_points_wet(s.points)[0], 1.0, 0.0);
+      }
+      free(points);
+      points_scene_free(&s);
+    }
+}
+
+typedef struct result {
+  double *eps, *force; /* [points], [points][3] */
+  double *su, *error; /* [spheres][4], [1] */
+} result;
+
+enum { N = 9, SPHERES = 150 };
+
+/* Spheres of all sizes in a shear flow; impulses as particles would receive them, in another order and on other
+ * ranks than before. */
+static void run(MPI_Comm comm, int form, int walls, result *r) {
+  const cpl_points_plane plane[3] = {{{0, 0, 0}, {0, 0, 1}}, {{0, 0, 1}, {0, 0, -1}}, {{0, 0, 0}, {0, 1, 0}}};
+  points_scene s;
+  double *points, *spheres = calloc(SPHERES * SPHERE_WIDTH, sizeof *spheres);
+  uint64_t seed = 77;
+  points_scene_init(&s, comm, 0.15, 1);
+  for (int k = 0; walls && k < 2; k++)
+    s.box.periodic[2 - k] = 0;
+  s.params.form = form;
+  for (int k = 0; k < cpl_drag_count(); k++)
+    if (strcmp(cpl_drag_name(k), "beetstraPolydisperse") == 0)
+      s.params.drag = k;
+  assert_int_equal(points_scene_start(&s, walls ? 3 : 0, plane), PART_OK);
+  const int n = points_lattice(&s.box, N, 0.9, &points);
+  for (int a = 0; a < n; a++) {
+    double *row = points + a * POINT_WIDTH;
+    row[PU] = 0.1 * sin(2.0 * PI * row[1]);
+    row[PU + 2] = -0.2;
+    for (int c = 0; c < 3; c++)
+      row[PA + c] = points_random(&seed) - 0.5;
+    row[PV] *= 0.9 + 0.2 * points_random(&seed);
+  }
+  for (int i = 0; i < SPHERES; i++) {
+    double *row = spheres + i * SPHERE_WIDTH;
+    for (int c = 0; c < 3; c++) {
+      row[c] = points_random(&seed);
+      row[SV + c] = 0.1 * points_random(&seed);
+      row[SJ + c] = points_random(&seed) - 0.3;
+    }
+    row[SR] = 0.01 + 0.03 * points_random(&seed);
+    row[SIM] = 1.0;
+  }
+  points_scene_spheres(&s, SPHERES, spheres, 3);
+  points_scene_points(&s, n, points, 0);
+  assert_int_equal(cpl_points_locate(s.points, &s.view, &s.fluid_view), PART_OK);
+  assert_int_equal(cpl_points_porosity(s.points, &s.fluid_view), PART_OK);
+  assert_int_equal(cpl_points_force(s.points, &s.view, &s.fluid_view), PART_OK);
+  points_gather(&s, SPHERES, s.view.count, s.number, 2, s.sphere, SPHERE_WIDTH, SSU, 4, r->su);
+  points_scene_spheres(&s, SPHERES, spheres, 1); /* elsewhere */
+  for (int i = 0; i < s.view.count / 2; i++) {   /* and in another order */
+    const int k = s.view.count - 1 - i;
+    double row[SPHERE_WIDTH];
+    memcpy(row, s.sphere + i * SPHERE_WIDTH, sizeof row);
+    memcpy(s.sphere + i * SPHERE_WIDTH, s.sphere + k * SPHERE_WIDTH, sizeof row);
+    memcpy(s.sphere + k * SPHERE_WIDTH, row, sizeof row);
+    const int64_t id = s.number[2 * i];
+    s.number[2 * i] = s.number[2 * k];
+    s.number[2 * k] = id;
+  }
+  assert_int_equal(cpl_points_reaction(s.points, &s.view, &s.fluid_view, 0.01), PART_OK);
+  points_gather(&s, n, s.fluid_view.count, s.point_id, 1, s.point, POINT_WIDTH, PEPS, 1, r->eps);
+  points_gather(&s, n, s.fluid_view.count, s.point_id, 1, s.point, POINT_WIDTH, PF, 3, r->force);
+  cpl_budget budget;
+  assert_int_equal(cpl_points_budget(s.points, &budget), PART_OK);
+  for (int c = 0; c < 3; c++) {
+    double given = 0.0, taken = 0.0;
+    for (int i = 0; i < SPHERES; i++)
+      given += spheres[i * SPHERE_WIDTH + SJ + c];
+    for (int a = 0; a < n; a++)
+      taken -= 0.01 * r->force[3 * a + c];
+    assert_near(taken, given, 1e-12 * SPHERES);
+    assert_near(budget.particles[c], given, 1e-12 * SPHERES);
+  }
+  r->error[0] = budget.error;
+  free(points);
+  free(spheres);
+  points_scene_free(&s);
+}
+
+static void make(result *r) {
+  r->eps = calloc(N * N * N, sizeof(double));
+  r->force = calloc(3 * N * N * N, sizeof(double));
+  r->su = calloc(4 * SPHERES, sizeof(double));
+  r->error = calloc(1, sizeof(double));
+}
+
+static void compare(const double *a, const double *b, int n, double tolerance) {
+  double most = 0.0;
+  for (int k = 0; k < n; k++)
+    most = fmax(most, fabs(b[k]));
+  assert_true(most > 0.0);
+  for (int k = 0; k < n; k++)
+    assert_near(a[k], b[k], tolerance * most);
+}
+
+/* Momentum closes to round-off; one and several ranks agree to round-off. */
+static void test_ranks(void **state) {
+  (void)state;
+  result here, one;
+  make(&here);
+  make(&one);
+  for (int form = 0; form < 2; form++)
+    for (int walls = 0; walls < 2; walls++) {
+      run(MPI_COMM_WORLD, form, walls, &here);
+      run(MPI_COMM_SELF, form, walls, &one);
+      assert_true(here.error[0] < 1e-13);
+      compare(here.eps, one.eps, N * N * N, 1e-13);
+      compare(here.force, one.force, 3 * N * N * N, 1e-12);
+      compare(here.su, one.su, 4 * SPHERES, 1e-12);
+    }
+  double *all[] = {here.eps, here.force, here.su, here.error, one.eps, one.force, one.su, one.error};
+  for (int k = 0; k < 8; k++)
+    free(all[k]);
+}
+
+/* Fluid below z = 0.5: a sphere deep in it feels all of its buoyancy, one above none, between grows. */
+static void test_surface(void **state) {
+  (void)state;
+  points_scene s;
+  double *points, last = 2.0;
+  points_scene_init(&s, MPI_COMM_WORLD, 0.08, 1);
+  s.box.periodic[2] = 0;
+  const cpl_points_plane floor = {{0, 0, 0}, {0, 0, 1}};
+  assert_int_equal(points_scene_start(&s, 1, &floor), PART_OK);
+  const int n = points_lattice(&s.box, 20, 0.0, &points) / 2;
+  for (int k = 0; k < 20; k++) {
+    double sphere[SPHERE_WIDTH] = {0.5, 0.5, 0.02 + 0.04 * k, 0.01, 0, 0, 0, 1.0};
+    points_scene_spheres(&s, 1, sphere, k);
+    points_scene_points(&s, n, points, 0);
+    assert_int_equal(cpl_points_locate(s.points, &s.view, &s.fluid_view), PART_OK);
+    assert_int_equal(cpl_points_porosity(s.points, &s.fluid_view), PART_OK);
+    assert_int_equal(cpl_points_force(s.points, &s.view, &s.fluid_view), PART_OK);
+    double wet = s.view.count > 0 ? cpl_points_wet(s.points)[0] : 0.0;
+    MPI_Allreduce(MPI_IN_PLACE, &wet, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+    assert_true(wet <= last + 1e-12);
+    if (sphere[2] < 0.37) /* beside the floor too */
+      assert_near(wet, 1.0, 0.0);
+    if (sphere[2] > 0.68)
+      assert_near(wet, 0.0, 0.0);
+    for (int i = 0; i < s.view.count; i++)
+      assert_near(s.sphere[SSU + 2], wet * 4.0 / 3.0 * PI * 1e-6 * 9810.0, 1e-12);
+    last = wet;
+  }
+  free(points);
+  points_scene_free(&s);
+}
+
+static void test_errors(void **state) {
+  (void)state;
+  points_scene s;
+  double *points, *spheres;
+  points_scene_init(&s, MPI_COMM_WORLD, 0.15, 0);
+  assert_int_equal(points_scene_start(&s, 0, NULL), PART_OK);
+  const int n = points_lattice(&s.box, 6, 0.0, &points);
+  const int m = spheres_lattice(&s.box, 4, 0.02, &spheres);
+  points_scene_spheres(&s, m, spheres, 0);
+  points_scene_points(&s, n, points, 0);
+  assert_int_equal(cpl_points_force(s.points, &s.view, &s.fluid_view), PART_ERR_STATE);
+  assert_int_equal(cpl_points_locate(s.points, &s.view, &s.fluid_view), PART_OK);
+  assert_int_equal(cpl_points_reaction(s.points, &s.view, &s.fluid_view, 0.1), PART_ERR_STATE);
+  assert_int_equal(cpl_points_porosity(s.points, &s.fluid_view), PART_OK);
+  assert_int_equal(cpl_points_force(s.points, &s.view, &s.fluid_view), PART_OK);
+  assert_int_equal(cpl_points_reaction(s.points, &s.view, &s.fluid_view, -1.0), PART_ERR_RANGE);
+  double step;
+  assert_int_equal(cpl_points_stable_step(s.points, &step), PART_OK);
+  s.number[0] += 1000;
+  assert_int_equal(cpl_points_force(s.points, &s.view, &s.fluid_view), PART_ERR_STATE);
+  free(points);
+  free(spheres);
+  points_scene_free(&s);
+}
+
+int main(int argc, char **argv) {
+  MPI_Init(&argc, &argv);
+  const struct CMUnitTest tests[] = {cmocka_unit_test(test_law), cmocka_unit_test(test_ranks),
+                                     cmocka_unit_test(test_surface), cmocka_unit_test(test_errors)};
+  cmocka_set_message_output(CM_OUTPUT_TAP);
+  const int failed = cmocka_run_group_tests(tests, NULL, NULL);
+  MPI_Finalize();
+  return failed;
+}
