@@ -23,7 +23,7 @@ cat >"$work/tables.c" <<'END'
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
-#include "coupling/coupling.h"
+#include "coupling/points.h"
 #include "dem/dem.h"
 #include "sph/sph.h"
 
@@ -95,8 +95,9 @@ int main(void) {
     if (f->flags & PART_WRITTEN)
       printf("| `%s` | %d | %s | %s |\n", f->name, f->comps, f->unit, f->meaning);
   }
-  printf("\n# Smoothed particles\n\nTables of libsph, which no solver reads yet.\n");
+  printf("\n# Smoothed particles\n");
   print_table("`sph_params`", &sph_params_table);
+  print_table("exchange with particles (`cpl_points_params`)", &cpl_points_table);
   print_table("`sph_wall_params`", &sph_wall_table);
   print_table("`sph_insert`", &sph_insert_table);
   printf("\n## Kernels\n\n| `kernel` | meaning |\n|---|---|\n");
