@@ -27,7 +27,8 @@ particleSystem::particleSystem(const polyMesh& mesh, const vector& gravity, int 
   substeps_(0),
   files_(mesh.time()),
   state_(),
-  stateIsNow_(false)
+  stateIsNow_(false),
+  registry_(mesh, *this)
 {}
 
 particleSystem::~particleSystem() { dem_destroy(dem_); }
