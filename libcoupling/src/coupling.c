@@ -32,6 +32,10 @@ static int check(const cpl_mesh *mesh, const cpl_params *params, const cpl_fluid
     return part_fail(PART_ERR_ARGUMENT,
                      "coupling: viscousStress is on with model B, whose drag contains that force: "
                      "it would count twice; use model A or viscousStress off");
+  if (params->model == CPL_MODEL_BFULL && !params->pressure_gradient)
+    return part_fail(PART_ERR_ARGUMENT,
+                     "coupling: pressureGradient is off with model Bfull, whose exchange contains "
+                     "that force; use pressureGradient on, or model A or B");
   if (params->self_disturbance && !(params->smoothing && params->two_way))
     return part_fail(PART_ERR_ARGUMENT,
                      "coupling: selfDisturbance is on, but %s: its formula is that of the smooth "

@@ -25,7 +25,7 @@
 #include "wake.h"
 
 static int uses_pressure(const cpl_t *cpl) {
-  return cpl->params.model == CPL_MODEL_A && cpl->params.pressure_gradient;
+  return cpl->params.model != CPL_MODEL_B && cpl->params.pressure_gradient;
 }
 
 static const unsigned char law_needs_sizes[] = {

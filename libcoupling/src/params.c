@@ -5,7 +5,7 @@
 #include "drag/laws.h"
 #include "void_fractions.h"
 
-static const char *const models[] = {"A", "B", NULL};
+static const char *const models[] = {"A", "B", "Bfull", NULL};
 
 static const char *const smoothings[] = {"off", "diffusion", NULL};
 

@@ -31,6 +31,7 @@ static void test_names(void **state) {
     int value;
   } choice[] = {{"model", "B", CPL_MODEL_B},
                 {"model", "A", CPL_MODEL_A},
+                {"model", "Bfull", CPL_MODEL_BFULL},
                 {"voidFraction", "exact", 0},
                 {"voidFraction", "subCell", 1},
                 {"voidFraction", "centre", 2},
@@ -38,7 +39,7 @@ static void test_names(void **state) {
   for (size_t k = 0; k < sizeof choice / sizeof *choice; k++) {
     assert_int_equal(part_params_set(&cpl_params_table, choice[k].entry, NULL, choice[k].word, &p),
                      PART_OK);
-    assert_int_equal(k < 2 ? p.model : p.void_fraction, choice[k].value);
+    assert_int_equal(k < 3 ? p.model : p.void_fraction, choice[k].value);
   }
   for (int k = 0; k < cpl_drag_count(); k++) {
     assert_int_equal(part_params_set(&cpl_params_table, "drag", NULL, cpl_drag_name(k), &p),
@@ -77,6 +78,11 @@ static void test_create_refuses(void **state) {
   params.viscous_stress = 1;
   assert_int_equal(scene_start(&s, &params, &fluid), PART_ERR_ARGUMENT);
   assert_non_null(strstr(part_last_error(), "viscousStress"));
+  params = scene_params();
+  params.model = CPL_MODEL_BFULL;
+  params.pressure_gradient = 0;
+  assert_int_equal(scene_start(&s, &params, &fluid), PART_ERR_ARGUMENT);
+  assert_non_null(strstr(part_last_error(), "pressureGradient"));
   params = scene_params();
   params.drag = -1;
   assert_int_equal(scene_start(&s, &params, &fluid), PART_ERR_ARGUMENT);

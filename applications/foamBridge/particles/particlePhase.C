@@ -135,10 +135,10 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
     }
     frozen_.reset(new frozenFlow(mesh, couplingDict_.subDict("frozenFlow")));
   }
-  if (params_.model == CPL_MODEL_A && params_.two_way && !params_.pressure_gradient)
+  if (!modelB() && params_.two_way && !params_.pressure_gradient)
   {
     FatalIOErrorInFunction(couplingDict_)
-        << "entry 'pressureGradient' can not be off in two-way model A: the fluid lacks the pressure"
+        << "entry 'pressureGradient' can not be off in two-way model A or Bfull: the fluid lacks the pressure"
         << " on the solids, so the particles must get it; allowed: on, or model B, or twoWay off"
         << exit(FatalIOError);
   }

@@ -100,11 +100,12 @@ typedef struct cpl_fluid {
 /* ---- parameters ----------------------------------------------------------------------------- */
 typedef enum {
   CPL_MODEL_A,
-  CPL_MODEL_B
+  CPL_MODEL_B,
+  CPL_MODEL_BFULL /* set I of Zhou et al. 2010: another grouping of A's terms, run as A (C.8) */
 } cpl_model; /* Feng and Yu 2004; momentum scheme (2), (9) */
 
 typedef struct cpl_params {
-  int model;              /* A | B */
+  int model;              /* A | B | Bfull */
   int void_fraction;      /* row of coupling/void_fractions.def: exact | subCell | centre */
   int64_t sub_cells;      /* N of subCell, default 40: N^3 per cell */
   double minimum_eps;     /* a cell below it is an error that names cell and entry; default 0.05 */
@@ -113,7 +114,7 @@ typedef struct cpl_params {
   double bandwidth_cells; /* b is at least so many cells (cube root of the volume) */
   int self_disturbance;   /* 1: drag on the velocity without what own drag has added to it */
   int drag;               /* row of coupling/drag_laws.def */
-  int pressure_gradient;  /* 1: force -V grad p (model A only; in B it is part of the drag) */
+  int pressure_gradient;  /* 1: force -V grad p (A, Bfull; in B it is part of the drag) */
   int viscous_stress;     /* 1: force V div tau */
   int saffman_lift;       /* 1: lift by shear, Saffman-Mei */
   int magnus_lift;        /* 1: lift by spin */
