@@ -39,15 +39,29 @@ def cap_weights(z, d, faces):
     return np.diff(below, axis=1)
 
 
+def column_kernel(cells, edge, bandwidth, bandwidth_cells=1.5):
+    """[cells][cells] smoothing of the exchange (doc/equations.md C.16) in a column of cubes that has the same in every cell of a
+    section; bandwidth in m. What is given to cell k comes out as row k; nothing leaves at the ends."""
+    variance = max(bandwidth, bandwidth_cells * edge) ** 2 / 2 / edge ** 2
+    passes = int(np.ceil(round(6 * variance / 2 / 0.7, 12)))
+    once = np.eye(cells)
+    for k in range(cells - 1):
+        once[k:k + 2, k:k + 2] += variance / (2 * passes) * np.array([[-1, 1], [1, -1]])
+    return np.linalg.matrix_power(once, passes)
+
+
 class Block:
     """Layers of spheres across a column of cells.
 
-    z: heights of the layers; per_cell: spheres of a layer in one cell of a section; area: of that cell."""
+    z: heights of the layers; per_cell: spheres of a layer in one cell of a section; area: of that cell;
+    kernel: of the smoothing (column_kernel), with which the weights of the exchange are those of the caps times it."""
 
-    def __init__(self, z, d, per_cell, area, faces):
+    def __init__(self, z, d, per_cell, area, faces, kernel=None):
         self.d, self.n, self.area = d, per_cell, area
         self.height = np.diff(faces)
         self.weights = cap_weights(z, d, faces)
+        if kernel is not None:
+            self.weights = self.weights @ kernel
         self.eps = 1 - per_cell * sphere(d) * self.weights.sum(0) / (area * self.height)
         self.eps_layer = self.weights @ self.eps           # what a sphere of each layer sees
 
@@ -91,14 +105,15 @@ def flow_pressure(block, speed, rho=1000.0):
 class Settling:
     """A rigid block that sinks in a closed column it spans: no net flux, so the superficial slip is its speed."""
 
-    def __init__(self, layers, d, per_cell, area, faces, rho_s, rho=1000.0):
+    def __init__(self, layers, d, per_cell, area, faces, rho_s, rho=1000.0, kernel=None):
         """layers: heights over the lowest point of the block; the block's position is that of this point."""
         self.layers, self.d, self.n, self.area, self.faces = np.asarray(layers), d, per_cell, area, faces
+        self.kernel = kernel
         self.rho_s, self.rho = rho_s, rho
         self.weight = per_cell * len(layers) * sphere(d) * (rho_s - rho) * G
 
     def block(self, position):
-        return Block(self.layers + position, self.d, self.n, self.area, self.faces)
+        return Block(self.layers + position, self.d, self.n, self.area, self.faces, self.kernel)
 
     def quasi_steady(self, position, share=1.0):
         """Speed at which force/eps equals share of the buoyant weight."""
