@@ -129,7 +129,7 @@ int sph_add_wall(sph_t *sph, const char *name, const sph_wall_params *params, in
   return status == PART_OK ? PART_OK : part_fail_context(status, "wall %s", name);
 }
 
-double sph_wall_gamma(const sph_t *sph, const double x[3]) {
+double sph_wall_distance(const sph_t *sph, const double x[3]) {
   double distance = HUGE_VAL;
   const sph_walls *walls = &sph->walls;
   for (int f = 0; f < walls->faces; f++) {
@@ -137,6 +137,10 @@ double sph_wall_gamma(const sph_t *sph, const double x[3]) {
     sph_faces_nearest(walls, 1, &f, x, &one);
     distance = fabs(one) < fabs(distance) ? one : distance;
   }
+  return distance;
+}
+
+double sph_wall_gamma(const sph_t *sph, const double x[3]) {
   return sph_kernel_gamma(sph->params.kernel, (int)sph->params.dimensions,
-                          distance / sph->params.smoothing_length);
+                          sph_wall_distance(sph, x) / sph->params.smoothing_length);
 }

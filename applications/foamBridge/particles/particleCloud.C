@@ -2,13 +2,11 @@
 #include "particleCloud.H"
 
 #include "IOField.H"
+#include "cloudRows.H"
 #include "Time.H"
 #include "dem/dem.h"
 #include "foamParams.H"
-#include "meshSearch.H"
-#include "particle/exchange.h"
 #include "passiveParticleCloud.H"
-#include "treeBoundBox.H"
 
 namespace Foam
 {
@@ -43,79 +41,13 @@ static DynamicList<cloudRow> ownRows(part_store* s)
   return rows;
 }
 
-static point position(const cloudRow& row)
-{
-  return point(row.position[0], row.position[1], row.position[2]);
-}
-
-/* Send each row to every rank whose mesh bounds hold its centre; each finds the cell; of those that
- * found one the lowest rank keeps the row. Fills rows and cells of this rank. */
-static void distribute
-(
-  const polyMesh& mesh, MPI_Comm comm, const DynamicList<cloudRow>& own, DynamicList<cloudRow>& rows,
-  DynamicList<label>& cells, label& outside
-)
-{
-  List<boundBox> bounds(Pstream::nProcs());
-  bounds[Pstream::myProcNo()] = boundBox(mesh.points(), false);
-  Pstream::gatherList(bounds);
-  Pstream::scatterList(bounds);
-
-  DynamicList<int> to, from;
-  DynamicList<cloudRow> sent;
-  forAll(own, i)
-  {
-    forAll(bounds, proci)
-    {
-      if (!bounds[proci].contains(position(own[i]))) continue;
-      to.append(proci);
-      from.append(i);
-      sent.append(own[i]);
-    }
-  }
-  part_exchange* plan = nullptr;
-  checkStatus(part_exchange_create(comm, to.size(), to.cdata(), &plan), "writeParticleCloud");
-  List<cloudRow> received(part_exchange_receive_count(plan));
-  checkStatus
-  (
-    part_exchange_forward(plan, sizeof(cloudRow), sent.cdata(), received.data()), "writeParticleCloud"
-  );
-  List<int> cell(received.size());
-  const meshSearch search(mesh);
-  forAll(received, k) cell[k] = search.findCell(position(received[k]));
-  List<int> found(to.size());
-  checkStatus
-  (
-    part_exchange_reverse(plan, sizeof(int), cell.cdata(), found.data()), "writeParticleCloud"
-  );
-  List<int> keeper(own.size(), -1);
-  forAll(to, k)
-  {
-    if (found[k] >= 0 && keeper[from[k]] < 0) keeper[from[k]] = to[k];
-  }
-  List<int> keep(to.size());
-  forAll(to, k) keep[k] = keeper[from[k]] == to[k];
-  List<int> mine(received.size());
-  checkStatus(part_exchange_forward(plan, sizeof(int), keep.cdata(), mine.data()), "writeParticleCloud");
-  part_exchange_destroy(plan);
-  forAll(received, k)
-  {
-    if (!mine[k]) continue;
-    rows.append(received[k]);
-    cells.append(cell[k]);
-  }
-  outside = 0;
-  forAll(keeper, i) outside += keeper[i] < 0;
-  reduce(outside, sumOp<label>());
-}
-
 void writeParticleCloud(const polyMesh& mesh, part_store* store, MPI_Comm comm)
 {
   const DynamicList<cloudRow> own(ownRows(store));
   DynamicList<cloudRow> rows;
   DynamicList<label> cells;
   label outside;
-  distribute(mesh, comm, own, rows, cells, outside);
+  distributeRows(mesh, comm, own, rows, cells, outside);
   if (outside)
   {
     Info<< "Cloud: " << outside << " particles have their centre outside the mesh" << endl;
@@ -125,7 +57,7 @@ void writeParticleCloud(const polyMesh& mesh, part_store* store, MPI_Comm comm)
   passiveParticleCloud cloud(mesh, "particles", IDLList<passiveParticle>());
   forAll(rows, i)
   {
-    autoPtr<passiveParticle> p(new passiveParticle(mesh, position(rows[i]), cells[i]));
+    autoPtr<passiveParticle> p(new passiveParticle(mesh, rowPosition(rows[i]), cells[i]));
     p->origId() = label(rows[i].id);
     p->origProc() = 0;
     cloud.addParticle(p.release());

@@ -7,7 +7,12 @@
 namespace Foam
 {
 
-particleFiles::particleFiles(const Time& time) : time_(time), folder_(time.globalPath()/"particles") {}
+particleFiles::particleFiles(const Time& time, const word& name)
+:
+  time_(time),
+  name_(name),
+  folder_(time.globalPath()/name)
+{}
 
 void particleFiles::purge()
 {

@@ -170,6 +170,8 @@ typedef struct sph_view {
   double h, depth; /* m; W per volume is that of sph_kernel_value over depth with two dimensions */
 } sph_view;
 int sph_get_view(sph_t *sph, sph_view *view);
+/* Distance (m) of a point from the nearest wall, negative behind it; infinite without walls. */
+double sph_wall_distance(const sph_t *sph, const double x[3]);
 /* Gamma (S.17) at a point, by the nearest wall. */
 double sph_wall_gamma(const sph_t *sph, const double x[3]);
 
