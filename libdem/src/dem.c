@@ -100,6 +100,7 @@ void dem_destroy(dem_t *dem) {
   free(dem->block_gravity);
   free(dem->mass_of);
   free(dem->gravity_now);
+  free(dem->wet.row);
   free(dem->x_built);
   free(dem->kept_count);
   free(dem->kept);

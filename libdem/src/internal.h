@@ -92,6 +92,8 @@ enum dem_stage {
   DEM_STAGE_COUNT
 };
 
+typedef struct dem_wet_row dem_wet_row;
+
 struct dem_t {
   MPI_Comm comm;
   int rank, ranks;
@@ -143,7 +145,13 @@ struct dem_t {
   long long substeps_built; /* substeps when the lists were built */
   int64_t listed;           /* pairs then, of all ranks */
   double *mass_of;          /* [materials] kg, own free particles */
-  double *gravity_now;      /* [materials][3] m/s2, mean over the present half step */
+  double *gravity_now;      /* [2][materials][3] m/s2, mean over this half step and the next */
+  struct dem_wet {          /* integrate.c; h = 0: none */
+    double h;               /* s, substep it was made for */
+    long long generation;   /* order of particles */
+    int room;
+    struct dem_wet_row *row;
+  } wet;
   double *x_built;          /* [3 local] where particles were when the lists were built */
   double travel;            /* m, bound of the largest displacement of any particle since then */
 
@@ -314,6 +322,8 @@ double dem_gravity_factor(const dem_t *dem, int material, double t, double h);
  * step from t to t + h/2. */
 double dem_free_kick_drift(dem_t *dem, double t, double h, int fluid);
 void dem_free_kick(dem_t *dem, double t, double h, int fluid);
+/* Half step to t and, with the same forces, all of dem_free_kick_drift. */
+double dem_free_two_kicks_drift(dem_t *dem, double t, double h, int fluid);
 
 /* ---- blocks.c ----------------------------------------------------------------------------------
  */

@@ -53,8 +53,11 @@ static int64_t pair_contacts(const dem_t *dem, double *most) {
     for (int k = dem->pairs->start[i]; k < dem->pairs->start[i + 1]; k++) {
       const int j = dem->pairs->partner[k];
       const double *x = xr + DEM_XR * (size_t)i, *y = xr + DEM_XR * (size_t)j;
-      const double d[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]};
-      const double overlap = x[3] + y[3] - sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]);
+      const double d[3] = {x[0] - y[0], x[1] - y[1], x[2] - y[2]}, reach = x[3] + y[3];
+      const double distance2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+      if (!(distance2 < reach * reach))
+        continue;
+      const double overlap = reach - sqrt(distance2);
       if (!(overlap > 0.0))
         continue;
       *most = fmax(*most, overlap / fmin(x[3], y[3]));

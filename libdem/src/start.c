@@ -95,7 +95,7 @@ static int prepare(dem_t *dem) {
   if (!dem->restored)
     PART_TRY(populate(dem));
   PART_TRY(dem_allocate((size_t)dem->materials, sizeof *dem->mass_of, &dem->mass_of));
-  PART_TRY(dem_allocate(3 * (size_t)dem->materials, sizeof *dem->gravity_now, &dem->gravity_now));
+  PART_TRY(dem_allocate(6 * (size_t)dem->materials, sizeof *dem->gravity_now, &dem->gravity_now));
   return PART_OK;
 }
 
