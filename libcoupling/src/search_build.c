@@ -90,7 +90,7 @@ int cpl_search_build_faces(cpl_search *s) {
       make_unit(n);
     }
   }
-  s->round_off = 4e-16 * largest;
+  s->round_off = 2e-15 * largest; /* blockMesh: planes of 90 cells are 5e-16 thick */
   s->tie = 5.0 * s->round_off;
   return PART_OK;
 }
