@@ -27,13 +27,13 @@ tmp<vectorField> mixtureBoundaryValue
   const vectorField& vp
 )
 {
-  vectorField slip(vp - U);
-  if (isA<wallFvPatch>(U.patch()))
+  vectorField solids(vp); // of the solids at the patch
+  if (isA<wallFvPatch>(U.patch())) // none cross it; fluid may: a distributor plate
   {
     const vectorField n(U.patch().nf());
-    slip -= n*(n & slip);
+    solids -= n*(n & solids);
   }
-  return U + (1 - eps)*slip;
+  return U + (1 - eps)*(solids - U);
 }
 
 tmp<volVectorField> mixtureField
