@@ -109,6 +109,7 @@ tmp<surfaceScalarField> mixtureScheme::ownForce(const volVectorField& j) const
 // With -Kf phi this is drag along the line of cell centres only.
 tmp<surfaceScalarField> mixtureScheme::dragForce(const volVectorField& j) const
 {
+  if (orthogonal_) return dragExplicit_ & along_;
   return (dragExplicit_ & along_) + Kf_*(skew_ & fvc::interpolate(j));
 }
 
@@ -141,21 +142,15 @@ tmp<fvScalarMatrix> mixtureScheme::pressureMatrix
   ).fvmLaplacian(coefficient, p);
 }
 
-/* Eigenvector of the largest eigenvalue: the largest column of a high power of the tensor. */
-static vector principal(const symmTensor& G)
+/* Unit eigenvector of the largest eigenvalue of aa + bb: x a + y b with (x, y) that of the matrix of
+ * their products. */
+static vector principal(const vector& a, const vector& b)
 {
-  tensor M(G);
-  for (label i = 0; i < 7; ++i)
-  {
-    const scalar size = mag(M);
-    if (size < VSMALL) return Zero;
-    M /= size;
-    M = M & M;
-  }
-  vector best(M.x());
-  if (magSqr(M.y()) > magSqr(best)) best = M.y();
-  if (magSqr(M.z()) > magSqr(best)) best = M.z();
-  return best/(mag(best) + VSMALL);
+  const scalar aa = a & a, bb = b & b, ab = a & b;
+  const scalar largest = 0.5*(aa + bb) + std::sqrt(sqr(0.5*(aa - bb)) + sqr(ab));
+  const vector v(aa > bb ? (largest - bb)*a + ab*b : ab*a + (largest - aa)*b);
+  const scalar size = mag(v);
+  return size > VSMALL ? vector(v/size) : vector(Zero);
 }
 
 /* Direction in which 1/eps jumps at a face (its sign does not matter): g = grad(1/eps), averaged over
@@ -177,15 +172,15 @@ void mixtureScheme::makeNormal(const volScalarField& rEps)
     g.primitiveFieldRef() = average.primitiveField();
     g.correctBoundaryConditions();
   }
-  const surfaceSymmTensorField Gf
-  (
-    sqr(fvc::interpolate(g)) + 1e-8*sqr(difference(rEps)*along_/mag(along_))
-  );
-  forAll(m_, facei) m_[facei] = principal(Gf[facei]);
+  const surfaceVectorField gf(fvc::interpolate(g));
+  const surfaceVectorField own(1e-4*difference(rEps)*along_/mag(along_));
+  forAll(m_, facei) m_[facei] = principal(gf[facei], own[facei]);
   forAll(m_.boundaryField(), patchi)
   {
+    const fvsPatchVectorField& gb = gf.boundaryField()[patchi];
+    const fvsPatchVectorField& ob = own.boundaryField()[patchi];
     fvsPatchVectorField& m = m_.boundaryFieldRef()[patchi];
-    forAll(m, i) m[i] = principal(Gf.boundaryField()[patchi][i]);
+    forAll(m, i) m[i] = principal(gb[i], ob[i]);
   }
 }
 
