@@ -76,6 +76,7 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
   moved_(true),
   deposited_(false),
   still_(false),
+  clumps_(system_.state().clumps > 0),
   volumeError_(0),
   smallestCell_(smallestCell(mesh)),
   epsParticles_
@@ -143,7 +144,7 @@ particlePhase::~particlePhase() { cpl_destroy(cpl_); }
 void particlePhase::look()
 {
   view_ = particleView(dem_);
-  if (system_.state().clumps == 0) return;
+  if (!clumps_) return;
   volumeRadius_.setSize(view_.count);
   dragRadius_.setSize(view_.count);
   checkStatus(dem_fluid_spheres(dem_, volumeRadius_.data(), dragRadius_.data()), "particlePhase::look");
