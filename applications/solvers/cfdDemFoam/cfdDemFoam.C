@@ -20,6 +20,7 @@
 #include "particlePhase.H"
 #include "progress.H"
 #include "restartTime.H"
+#include "stageTimers.H"
 
 int main(int argc, char* argv[])
 {
@@ -43,8 +44,10 @@ int main(int argc, char* argv[])
     FatalErrorInFunction << "an OpenFOAM operator is wrong on this mesh" << exit(FatalError);
   }
   progress pace(runTime);
+  stageTimers stage;
   while (runTime.run())
   {
+    stage.next("step size");
     #include "readTimeControls.H"
     #include "mixtureCourant.H"
     #include "setDeltaT.H"
@@ -58,18 +61,23 @@ int main(int argc, char* argv[])
       continue;
     }
 
+    stage.next("particles and exchange");
     solids.begin(U, stress);       // fluid force on the particles
     solids.advance(dt, eps, vp, ap); // contact steps; where the particles are
     solids.source(dt, D, G);       // their drag on the fluid
+    stage.next("face coefficients");
     scheme.update();
 
     while (pimple.loop())
     {
+      stage.next("momentum");
       #include "jEqn.H"
+      stage.next("pressure");
       while (pimple.correct())
       {
         #include "pEqn.H"
       }
+      stage.next("turbulence");
       if (turbulent && pimple.turbCorr())
       {
         phiFluid = phi - scheme.solidFlux((eps - epsOld)/runTime.deltaT());
@@ -78,10 +86,12 @@ int main(int argc, char* argv[])
         nuEff = turbulence->nuEff();
       }
     }
+    stage.next("reaction");
     #include "reaction.H"
     p = p_rgh + (g & mesh.C());
     epsOld = eps;
 
+    stage.next("report and output");
     solids.report(Info);
     runTime.write();
     if (runTime.writeTime())
@@ -90,7 +100,9 @@ int main(int argc, char* argv[])
       solids.write();
     }
     pace.report(Info, solids.system().particleSteps());
+    stage.stop();
   }
+  stage.report(Info);
   solids.reportTimers(Info);
   Info<< "End" << nl << endl;
   return 0;
