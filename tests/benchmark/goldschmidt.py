@@ -53,7 +53,8 @@ def our_case(path):
     bed = {'method': 'lattice', 'material': 'glass', 'diameter': DIAMETER, 'origin': (-0.006, -0.0735, 0.0015),
            'spacing': (0.003, 0.003, 0.003), 'count': (5, 50, 99)}
     edit(os.path.join(path, 'constant/demProperties'), (r'insertion\n.*', 'insertion %s' % foam({'bed': bed})),
-         (r'youngsModulus \S+;', 'youngsModulus 1e8;'))
+         (r'youngsModulus \S+;', 'youngsModulus 1e8;'), (r'0 0 0.225\)', '0 0 0.45)'),
+         (r'0 -0.0375 0\); n', '0 -0.075 0); n'), (r'0 0.0375 0\); n', '0 0.075 0); n'))
     edit(os.path.join(path, 'constant/couplingProperties'), (r'\ndrag [^\n]*', '\ndrag gidaspow;'))
     edit(os.path.join(path, 'system/controlDict'), (r'\nfunctions\n.*', '\n'))
     edit(os.path.join(path, '0/U'), (r'inletVelocity +uniform[^;]*;', 'inletVelocity uniform (0 0 %g);' % SPEED))

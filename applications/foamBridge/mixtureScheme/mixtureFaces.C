@@ -103,7 +103,7 @@ tmp<surfaceScalarField> mixtureScheme::pressureForce(const volScalarField& p) co
 tmp<surfaceScalarField> mixtureScheme::ownForce(const volVectorField& j) const
 {
   const surfaceVectorField W(fvc::interpolate(j) - vpf_);
-  return (inertia_ & along_) + pressureFactor_*(body_ & along_) - sqr(W & m_)*jump_;
+  return driven_ - sqr(W & m_)*jump_;
 }
 
 // With -Kf phi this is drag along the line of cell centres only.

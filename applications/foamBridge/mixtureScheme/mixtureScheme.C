@@ -67,6 +67,7 @@ mixtureScheme::mixtureScheme
   Kf_(faceScalar(mesh, "Kf", dimless/dimTime)),
   dragExplicit_(faceVector(mesh, "dragExplicit", dimAcceleration)),
   inertia_(faceVector(mesh, "solidInertia", dimAcceleration)),
+  driven_(faceScalar(mesh, "driven", dimVolume/sqr(dimTime))),
   vpf_(faceVector(mesh, "vpf", dimVelocity)),
   m_(faceVector(mesh, "porosityNormal", dimless)),
   jump_(faceScalar(mesh, "BernoulliJump", dimLength)),
@@ -115,6 +116,7 @@ void mixtureScheme::update()
     inertia_ = path(volVectorField((1 - eps_)*ap_));
     jump_ = difference(rEps)*magSf;
   }
+  driven_ = (inertia_ & along_) + pressureFactor_*(body_ & along_);
 
   if (uniform_)
   {
