@@ -87,6 +87,8 @@ int cpl_create(MPI_Comm comm, const cpl_mesh *mesh, const part_box *box, const c
   status = part_agree(comm, status);
   if (status == PART_OK)
     status = cpl_weights_create(cpl->comm, &cpl->mesh, cpl->search, box, params, &cpl->weights);
+  if (status == PART_OK && params->overfull == CPL_OVERFULL_SPREAD)
+    status = cpl_relief_create(cpl->comm, &cpl->mesh, &cpl->relief);
   if (status != PART_OK) {
     cpl_destroy(cpl);
     return status;
@@ -99,6 +101,7 @@ void cpl_destroy(cpl_t *cpl) {
   if (!cpl)
     return;
   cpl_smoother_destroy(cpl->smoother);
+  cpl_relief_destroy(cpl->relief);
   cpl_weights_destroy(cpl->weights);
   cpl_search_destroy(cpl->search);
   part_timers_destroy(cpl->timers);
@@ -212,14 +215,18 @@ static int deposit_solid(cpl_t *cpl) {
   if (cpl->solid_stamp == cpl->stamp)
     return PART_OK;
   memset(cpl->solid.data, 0, (size_t)cpl->mesh.cells * sizeof(double));
+  if (cpl->relief)
+    cpl_relief_reset(cpl->relief);
   PART_TRY(cpl_spread(cpl, 1, cpl->volume.data, cpl->solid.data));
+  PART_TRY(cpl_relieve(cpl, cpl->solid.data));
   cpl->solid_stamp = cpl->stamp;
   return PART_OK;
 }
 
 static int write_eps(const cpl_t *cpl, double *eps) {
   int lowest = -1;
-  double low = cpl->params.minimum_eps;
+  /* relief leaves no cell below it but for round-off of 1 - (1 - minimumEps) */
+  double low = cpl->params.minimum_eps - 1e-12;
   for (int c = 0; c < cpl->mesh.cells; c++) {
     const double e = 1.0 - cpl->solid.data[c] / cpl->mesh.volume[c];
     if (eps)
@@ -355,4 +362,11 @@ int cpl_plan_text(const cpl_t *cpl, size_t size, char *text) {
   return strlen(text) + 1 < size
              ? PART_OK
              : part_fail(PART_ERR_RANGE, "cpl_plan_text: %zu bytes are too few", size);
+}
+
+void cpl_overfull_of(const cpl_t *cpl, long long *cells, double *volume) {
+  *cells = 0;
+  *volume = 0.0;
+  if (cpl->relief)
+    cpl_relief_report(cpl->relief, cells, volume);
 }

@@ -6,6 +6,7 @@
 #include "coupling/coupling.h"
 #include "disturbance.h"
 #include "memory.h"
+#include "relief.h"
 #include "search.h"
 #include "smoothing.h"
 #include "weights.h"
@@ -31,6 +32,7 @@ struct cpl_t {
   cpl_search *search;
   cpl_weights *weights;
   cpl_smoother *smoother; /* NULL: smoothing off, or no particle seen yet */
+  cpl_relief *relief;     /* NULL: a cell that is too full is an error */
   double smoothed_radius; /* m, that its bandwidth was made for */
   part_timers *timers;
   int stage[CPL_STAGES];

@@ -22,8 +22,21 @@ int cpl_update_smoothing(cpl_t *cpl) {
   return cpl_smoother_create(cpl->comm, &cpl->mesh, 0.5 * b * b, cells, &cpl->smoother);
 }
 
+static int relieved(const cpl_t *cpl) {
+  return cpl->relief && cpl_relief_passes(cpl->relief) > 0;
+}
+
+/* R S of density[cells][n]; backwards: S R^T. */
+static int kernel(cpl_t *cpl, int n, int backwards, double *density) {
+  if (relieved(cpl) && backwards)
+    PART_TRY(cpl_relief_apply(cpl->relief, n, 1, density));
+  if (cpl->smoother)
+    PART_TRY(cpl_smoother_apply(cpl->smoother, n, density));
+  return relieved(cpl) && !backwards ? cpl_relief_apply(cpl->relief, n, 0, density) : PART_OK;
+}
+
 int cpl_spread(cpl_t *cpl, int n, const double *value, double *cell) {
-  if (!cpl->smoother)
+  if (!cpl->smoother && !relieved(cpl))
     return cpl_weights_deposit(cpl->weights, n, value, cell);
   const size_t cells = (size_t)cpl->mesh.cells, width = (size_t)n;
   PART_TRY(cpl_agree(cpl, CPL_RESERVE(cpl->smooth_work, cells * width)));
@@ -33,7 +46,7 @@ int cpl_spread(cpl_t *cpl, int n, const double *value, double *cell) {
   for (size_t c = 0; c < cells; c++)
     for (size_t d = 0; d < width; d++)
       density[c * width + d] /= cpl->mesh.volume[c];
-  PART_TRY(cpl_smoother_apply(cpl->smoother, n, density));
+  PART_TRY(kernel(cpl, n, 0, density));
   for (size_t c = 0; c < cells; c++)
     for (size_t d = 0; d < width; d++)
       cell[c * width + d] += cpl->mesh.volume[c] * density[c * width + d];
@@ -41,12 +54,26 @@ int cpl_spread(cpl_t *cpl, int n, const double *value, double *cell) {
 }
 
 int cpl_gather(cpl_t *cpl, int n, const double *cell, double *value) {
-  if (!cpl->smoother)
+  if (!cpl->smoother && !relieved(cpl))
     return cpl_weights_sample(cpl->weights, n, cell, value);
   const size_t size = (size_t)cpl->mesh.cells * (size_t)n;
   PART_TRY(cpl_agree(cpl, CPL_RESERVE(cpl->smooth_work, size)));
   if (size > 0)
     memcpy(cpl->smooth_work.data, cell, size * sizeof *cell);
-  PART_TRY(cpl_smoother_apply(cpl->smoother, n, cpl->smooth_work.data));
+  PART_TRY(kernel(cpl, n, 1, cpl->smooth_work.data));
   return cpl_weights_sample(cpl->weights, n, cpl->smooth_work.data, value);
+}
+
+int cpl_relieve(cpl_t *cpl, double *solid) {
+  if (!cpl->relief)
+    return PART_OK;
+  const size_t cells = (size_t)cpl->mesh.cells;
+  PART_TRY(cpl_agree(cpl, CPL_RESERVE(cpl->smooth_work, cells)));
+  double *fill = cpl->smooth_work.data;
+  for (size_t c = 0; c < cells; c++)
+    fill[c] = solid[c] / cpl->mesh.volume[c];
+  PART_TRY(cpl_relief_find(cpl->relief, 1.0 - cpl->params.minimum_eps, fill));
+  for (size_t c = 0; relieved(cpl) && c < cells; c++)
+    solid[c] = cpl->mesh.volume[c] * fill[c];
+  return PART_OK;
 }

@@ -7,6 +7,8 @@
 
 static const char *const models[] = {"A", "B", "Bfull", NULL};
 
+static const char *const overfulls[] = {"spread", "error", NULL};
+
 static const char *const smoothings[] = {"off", "diffusion", NULL};
 
 static const char *const void_fractions[] = {

@@ -336,6 +336,14 @@ void particlePhase::report(Ostream& os) const
        << " particles outside its range, Re " << range.re_low << " to " << range.re_high << ", eps "
        << range.eps_low << " to " << range.eps_high;
   }
+  long long overfull;
+  double moved;
+  cpl_overfull_of(cpl_, &overfull, &moved);
+  if (overfull > 0)
+  {
+    os << nl << "Overfull cells: " << label(overfull) << " would have eps below " << params_.minimum_eps << "; "
+       << moved << " m3 of solids moved to the cells around";
+  }
   if (params_.two_way)
   {
     cpl_budget b;

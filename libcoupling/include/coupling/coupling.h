@@ -104,11 +104,14 @@ typedef enum {
   CPL_MODEL_BFULL /* set I of Zhou et al. 2010: another grouping of A's terms, run as A (C.8) */
 } cpl_model; /* Feng and Yu 2004; momentum scheme (2), (9) */
 
+enum { CPL_OVERFULL_SPREAD, CPL_OVERFULL_ERROR };
+
 typedef struct cpl_params {
   int model;              /* A | B | Bfull */
   int void_fraction;      /* row of coupling/void_fractions.def: exact | subCell | centre */
   int64_t sub_cells;      /* N of subCell, default 40: N^3 per cell */
-  double minimum_eps;     /* a cell below it is an error that names cell and entry; default 0.05 */
+  double minimum_eps;     /* least void fraction of a cell; default 0.05 */
+  int overfull;           /* what happens below it: spread | error */
   int smoothing;          /* off | diffusion, of everything exchanged */
   double bandwidth;       /* b of its kernel exp(-r^2/b^2), in diameters of the largest sphere */
   double bandwidth_cells; /* b is at least so many cells (cube root of the volume) */
@@ -166,6 +169,9 @@ int cpl_fluid_force(cpl_t *cpl, cpl_particles *particles);
  * s): the fluid turns it with the torque k (curl u/2 - omega). NULL: off. The couple on the fluid,
  * which has no momentum, is not given back. */
 const double *cpl_turning(const cpl_t *cpl);
+/* Of the last cpl_void_fraction, all ranks: cells that solids would have left less than minimumEps, and
+ * the volume (m3) that was moved from them to their neighbours (overfull spread). */
+void cpl_overfull_of(const cpl_t *cpl, long long *cells, double *volume);
 /* Own particles of the last cpl_fluid_force where the drag law was outside its range. */
 int64_t cpl_outside_range(const cpl_t *cpl);
 /* Collective. D and G of the cells for a flow step dt, from the impulses that the particles really

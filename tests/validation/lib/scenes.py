@@ -51,4 +51,9 @@ def smooth(path, coupling=None, **more):
     return free(path, coupling=dict(words, **(coupling or {})), **more)
 
 
-SCENES = {'fixed': fixed, 'settling': settling, 'free': free, 'tets': tets, 'smooth': smooth}
+def overfull(path, coupling=None, **more):
+    """The free spheres with so much room asked for that every cell with one has to give some of it away."""
+    return free(path, coupling=dict({'minimumEps': 0.99}, **(coupling or {})), **more)
+
+
+SCENES = {'fixed': fixed, 'settling': settling, 'free': free, 'tets': tets, 'smooth': smooth, 'overfull': overfull}
