@@ -126,6 +126,7 @@ void cpl_points_destroy(cpl_points_t *p) {
   CPL_FREE(p->start);
   CPL_FREE(p->partner);
   CPL_FREE(p->weight);
+  CPL_FREE(p->seen);
   CPL_FREE(p->bin_start);
   CPL_FREE(p->bin_of);
   CPL_FREE(p->solid);
@@ -194,7 +195,7 @@ static int remember_particles(cpl_points_t *p, const cpl_particles *particles) {
   for (int i = 0; i < p->count; i++) {
     const double r = *points_at(particles->radius, particles->radius_stride, i);
     p->id.data[i] = particles->id[(size_t)i * (size_t)particles->id_stride];
-    p->volume.data[i] = 4.0 / 3.0 * 3.14159265358979323846 * r * r * r;
+    p->volume.data[i] = points_sphere_volume(r);
   }
   return PART_OK;
 }

@@ -44,15 +44,12 @@ static void point_row(const cpl_points_t *p, const cpl_fluid_points *fluid, int 
 static void add_visits(const cpl_points_t *p, int n, const double *rows, double *received) {
   for (int k = 0; k < p->received; k++) {
     double sum[MOST] = {0.0};
-    const int mirrored = p->visit.data[k].mirrored > 0.0;
     for (size_t q = p->start.data[k]; q < p->start.data[k + 1]; q++) {
       const double w = p->weight.data[q], *row = rows + (size_t)p->partner.data[q] * (size_t)n;
-      if (mirrored)
-        sum[SUM_ALL] += w * row[SUM_ALL];
-      else
-        for (int d = 0; d < n; d++)
-          sum[d] += w * row[d];
+      for (int d = 0; d < n; d++)
+        sum[d] += w * row[d];
     }
+    sum[SUM_ALL] += p->seen.data[k];
     memcpy(received + (size_t)k * (size_t)n, sum, (size_t)n * sizeof *sum);
   }
 }
@@ -83,7 +80,7 @@ static int sample_sizes(cpl_points_t *p, double *mean) {
   if (status == PART_OK) {
     for (int k = 0; k < p->received; k++) {
       double sum[2] = {0.0, 0.0};
-      for (size_t q = p->start.data[k]; p->visit.data[k].mirrored <= 0.0 && q < p->start.data[k + 1]; q++) {
+      for (size_t q = p->start.data[k]; q < p->start.data[k + 1]; q++) {
         const int a = p->partner.data[q];
         const double w = p->weight.data[q] * p->share.data[a];
         sum[0] += w * p->solid.data[a];
@@ -280,8 +277,7 @@ static void spread(cpl_points_t *p, const double *received, cpl_fluid_points *fl
   }
   for (int k = 0; k < p->received; k++) {
     const double *j = received + 3 * (size_t)k;
-    for (size_t q = p->start.data[k];
-         p->visit.data[k].mirrored <= 0.0 && q < p->start.data[k + 1]; q++) {
+    for (size_t q = p->start.data[k]; q < p->start.data[k + 1]; q++) {
       const int a = p->partner.data[q];
       const double w = p->weight.data[q] * p->share.data[a];
       double *f = fluid->force + (size_t)a * (size_t)fluid->force_stride;

@@ -32,7 +32,7 @@ struct cpl_points_t {
   int stage[POINTS_STAGES];
 
   /* as located: own particles and their visits, to all ranks */
-  int count, located, sent, received, reals; /* reals: received visits that are not mirrored, first */
+  int count, located, sent, received; /* located: 1 pairs, 2 eps too */
   double reach;
   CPL_ARRAY(int64_t) id;
   CPL_ARRAY(double) volume;   /* [count] m3 */
@@ -46,10 +46,11 @@ struct cpl_points_t {
   /* points of this rank, and pairs in rows of received visits */
   int points;
   CPL_ARRAY(int) order;   /* [points] bin order -> caller's */
-  CPL_ARRAY(double) place; /* [points][3] in bin order */
+  CPL_ARRAY(double) place; /* [points][4] in bin order: x, V */
   CPL_ARRAY(size_t) start; /* [received + 1] */
   CPL_ARRAY(int) partner;  /* caller's index of the point */
-  CPL_ARRAY(double) weight; /* K_ia, 1/m3; a mirrored visit has rows too */
+  CPL_ARRAY(double) weight; /* K_ia, 1/m3; a mirrored visit has an empty row */
+  CPL_ARRAY(double) seen;   /* [received] of a mirrored visit, sum_a V_a K_ia as located */
   CPL_ARRAY(int) bin_start;
   CPL_ARRAY(int) bin_of;
   CPL_ARRAY(double) solid;   /* [points] sum_i V_i K_ia */
@@ -68,6 +69,10 @@ struct cpl_points_t {
   cpl_budget budget;
   int has_budget;
 };
+
+static inline double points_sphere_volume(double r) {
+  return 4.0 / 3.0 * 3.14159265358979323846 * r * r * r;
+}
 
 static inline const double *points_at(const double *base, int stride, int i) {
   return base + (size_t)i * (size_t)stride;

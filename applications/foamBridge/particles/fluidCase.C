@@ -67,7 +67,12 @@ static patchKind kindOf(const polyPatch& patch, const dictionary& U, const fileN
 /* ---- planes ----------------------------------------------------------------------------------- */
 static vector normalOf(const FixedList<point, 3>& t)
 {
-  const vector n((t[1] - t[0]) ^ (t[2] - t[0]));
+  vector n((t[1] - t[0]) ^ (t[2] - t[0]));
+  n /= max(mag(n), VSMALL);
+  for (direction d = 0; d < 3; ++d)
+  {
+    if (mag(n[d]) < 1e-9) n[d] = 0; // rounding of corners; a wall along a periodic direction must be it exactly
+  }
   return n/max(mag(n), VSMALL);
 }
 
