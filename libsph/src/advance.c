@@ -41,15 +41,24 @@ static void drift_with_neighbours(sph_t *sph, double h) {
   const double share = sph->params.xsph * h;
   for (int i = 0; i < sph->store->local && sph->plan.xsph; i++) {
     double *x = sph_xv(sph) + SPH_XV * (size_t)i;
-    const double *s = sph->sum + SPH_SUMS * (size_t)i + 2;
-    for (int c = 0; c < 3; c++)
-      x[c] += share * s[c];
+    double *m = sph_mass(sph) + SPH_MASS * (size_t)i;
+    sph_carry(sph, i, share, sph->sum + SPH_SUMS * (size_t)i + 2, x, m + 1, m + 2);
   }
 }
 
 static void change_density(sph_t *sph, double h) {
   for (int i = 0; i < sph->store->local; i++)
     sph_mass(sph)[SPH_MASS * (size_t)i + 1] += h * sph_rate(sph)[SPH_RATE * (size_t)i + 3];
+}
+
+/* S.18, at the end of h from now. */
+static void change_eps(sph_t *sph, double h) {
+  for (int i = 0; i < sph->store->local && sph->plan.eps_moves; i++) {
+    double *eps = &sph_mass(sph)[SPH_MASS * (size_t)i + 2];
+    const double *f = sph_force(sph) + SPH_FORCE * (size_t)i;
+    const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
+    *eps = sph_moved_eps(*eps, h * (f[3] + v[0] * f[4] + v[1] * f[5] + v[2] * f[6]));
+  }
 }
 
 static double own_speed(const sph_t *sph) {
@@ -67,7 +76,7 @@ static double own_speed(const sph_t *sph) {
  * farther than the fastest of its neighbourhood, for S.11 with V W summing to about 1; 2 is ample.
  * Collective. NaN counts as far, and is found by the check of the state. */
 static int make_sure_of_lists(sph_t *sph, double way) {
-  way *= sph->plan.xsph ? 1.0 + 2.0 * sph->params.xsph : 1.0;
+  way *= 1.0 + 2.0 * sph->params.xsph + sph_shift_room(sph);
   if (!(way <= 0.5 * sph->skin))
     way = HUGE_VAL;
   if (MPI_Allreduce(MPI_IN_PLACE, &way, 1, MPI_DOUBLE, MPI_MAX, sph->comm) != MPI_SUCCESS)
@@ -93,11 +102,15 @@ static int symplectic_step(sph_t *sph, double h) {
   drift(sph, summation ? h : 0.5 * h);
   PART_TRY(sph_refresh_ghosts(sph));
   PART_TRY(part_agree(sph->comm, sph_density_rates(sph)));
+  if (sph->plan.shifting)
+    PART_TRY(part_agree(sph->comm, sph_shift_sums(sph)));
   if (!summation) {
     change_density(sph, h);
     drift(sph, 0.5 * h);
     drift_with_neighbours(sph, h);
+    sph_shift(sph, h);
   }
+  change_eps(sph, h);
   sph_set_states(sph);
   PART_TRY(sph_refresh_ghosts(sph));
   PART_TRY(part_agree(sph->comm, sph_accelerations(sph)));
@@ -111,6 +124,7 @@ static int save(sph_t *sph) {
   for (size_t i = 0; i < n; i++) {
     memcpy(sph->saved + 8 * i, sph_xv(sph) + SPH_XV * i, 8 * sizeof *sph->saved);
     sph->saved[8 * i + 3] = sph_mass(sph)[SPH_MASS * i + 1]; /* in place of the volume */
+    sph->saved[8 * i + 7] = sph_mass(sph)[SPH_MASS * i + 2]; /* in place of the pressure */
   }
   return PART_OK;
 }
@@ -125,6 +139,7 @@ static void restore(sph_t *sph) {
       xv[4 + c] = s[4 + c];
     }
     sph_mass(sph)[SPH_MASS * i + 1] = s[3];
+    sph_mass(sph)[SPH_MASS * i + 2] = s[7];
   }
 }
 
@@ -154,8 +169,15 @@ static int middle_rates(sph_t *sph, double h) {
     PART_TRY(sph_refresh_ghosts(sph));
   }
   for (size_t i = 0; i < (size_t)sph->store->local && sph->plan.xsph; i++)
-    for (size_t c = 0; c < 3; c++)
-      sph->saved[8 * i + c] += share * sph->sum[SPH_SUMS * i + 2 + c];
+    sph_carry(sph, (int)i, share, sph->sum + SPH_SUMS * i + 2, sph->saved + 8 * i,
+              sph->saved + 8 * i + 3, sph->saved + 8 * i + 7);
+  if (sph->plan.shifting) {
+    PART_TRY(part_agree(sph->comm, sph_shift_sums(sph)));
+    for (int i = 0; i < sph->store->local; i++) {
+      double *s = sph->saved + 8 * (size_t)i;
+      sph_shift_one(sph, i, h, s, s + 3, s + 7);
+    }
+  }
   return part_agree(sph->comm, sph_accelerations(sph));
 }
 
@@ -164,10 +186,11 @@ static int corrected_step(sph_t *sph, double h) {
   PART_TRY(make_sure_of_lists(sph, 0.5 * own_speed(sph) * h));
   PART_TRY(part_agree(sph->comm, save(sph)));
   predict(sph, 0.5 * h);
+  change_eps(sph, 0.5 * h);
   PART_TRY(middle_rates(sph, h));
   restore(sph);
   kick(sph, 0.5 * h);
-  double way = own_speed(sph) * h * (1.0 + 2.0 * sph->params.xsph);
+  double way = own_speed(sph) * h * (1.0 + 2.0 * sph->params.xsph + sph_shift_room(sph));
   if (MPI_Allreduce(MPI_IN_PLACE, &way, 1, MPI_DOUBLE, MPI_MAX, sph->comm) != MPI_SUCCESS)
     return part_fail(PART_ERR_MPI, "a maximum over ranks failed");
   sph->travel += way; /* of this whole step, that of its middle besides: a bound */
@@ -175,6 +198,7 @@ static int corrected_step(sph_t *sph, double h) {
   kick(sph, 0.5 * h);
   if (!sph->plan.summation)
     change_density(sph, h);
+  change_eps(sph, h);
   sph_set_states(sph);
   return PART_OK;
 }

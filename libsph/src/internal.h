@@ -14,17 +14,18 @@
 #include "sum.h"
 #include "walls.h"
 
-enum { SPH_MASS = 4, SPH_RATE = 4, SPH_FORCE = 4, SPH_META = 2 }; /* widths of records */
+enum { SPH_MASS = 4, SPH_RATE = 4, SPH_FORCE = 8, SPH_META = 2 }; /* widths of records */
 
 /* What the scene needs, worked out by sph_start and when eps is set. */
 typedef struct sph_plan {
   int walls;     /* there are some */
   int diffusion; /* densityDiffusion > 0 */
-  int xsph, summation;
+  int xsph, summation, shifting;
   int viscous;     /* viscosity > 0 */
   int hydrostatic; /* gravity along a direction that is not periodic */
   int porous;      /* eps below 1 somewhere */
   int forces;      /* a force of others somewhere */
+  int eps_moves;   /* a rate of eps somewhere */
 } sph_plan;
 
 enum sph_stage {
@@ -73,6 +74,8 @@ struct sph_t {
   int width_limit;
   double *sum; /* [own][SPH_SUMS] */
   size_t sum_room;
+  double *shift; /* [own][SPH_SHIFTS] */
+  size_t shift_room;
   double *shade; /* [own] sum of V W over ghost points: 1 - Gamma (S.6) */
   size_t shade_room;
   double *saved; /* [own][8] x v rho_bar when a step of the predictor-corrector began */
@@ -139,6 +142,22 @@ int sph_accelerations(sph_t *sph);
 int sph_check_state(sph_t *sph);
 /* Collective. Longest step and largest speed. */
 int sph_limits(sph_t *sph, double *step, double *speed);
+
+/* Sums of S.19 into sph->shift. */
+int sph_shift_sums(sph_t *sph);
+
+/* ---- shift.c
+ * ------------------------------------------------------------------------------------ */
+/* Most of its way in a step by which a particle is shifted besides. */
+double sph_shift_room(const sph_t *sph);
+/* Particle i, with the sums of its place, moved on for a step h from the given place. */
+void sph_shift_one(const sph_t *sph, int i, double h, double x[3], double *density, double *eps);
+void sph_shift(sph_t *sph, double h);
+/* The same by factor times a way, without a change of pressure (S.11). */
+void sph_carry(const sph_t *sph, int i, double factor, const double way[3], double x[3],
+               double *density, double *eps);
+/* eps + change, held in (0, 1]. */
+double sph_moved_eps(double eps, double change);
 
 /* ---- lists.c
  * ------------------------------------------------------------------------------------- */

@@ -50,8 +50,12 @@ SPH_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
       const vec d2 = separate(&r, b, d, u), q = vec_sqrt(d2) * per_h;
       const vec f = b[3] * slope_norm * slope(q);
       s[0] += f * (d[0] * u[0] + d[1] * u[1] + d[2] * u[2]);
-      if (in->diffuse)
-        s[1] += f * (b[7] - r.p + (g[0] * d[0] + g[1] * d[1] + g[2] * d[2]));
+      if (in->diffuse) {
+        vec flow = b[7] - r.p + (g[0] * d[0] + g[1] * d[1] + g[2] * d[2]);
+        if (in->porous)
+          flow *= 0.5 * (r.eps + vec_load_1(in->mass + 2, 4, in->partner + r.k));
+        s[1] += f * flow;
+      }
       if (values) {
         const vec w = norm * shape(q), v = b[3] * w;
         for (int c = 0; c < 3; c++)
@@ -81,8 +85,18 @@ SPH_LANES void force_of(const sph_lanes *in, const vec d[3], const vec u[3], vec
   }
 }
 
+/* What S.20 and S.21 add to p_i + p_j. */
+SPH_LANES vec repulsion(const sph_lanes *in, vec p, vec b, vec shape) {
+  const vec zero = vec_all(0.0), f = shape * vec_all(in->per_shape), both = p + b;
+  const vec pull = -(vec_min(p, zero) + vec_min(b, zero));
+  const vec push = vec_keep(vec_less(zero, vec_min(p, b)), vec_all(0.05) * both);
+  const vec r = in->repulsion * (pull + push) + in->anti_clump * vec_max(both, -both);
+  return r * (f * f) * (f * f);
+}
+
 SPH_LANES void force_loop(const sph_lanes *in, int from, int to, double *sum,
-                          sph_kernel_function slope) {
+                          sph_kernel_function shape, sph_kernel_function slope) {
+  const int repel = in->repulsion > 0.0 || in->anti_clump > 0.0;
   const vec per_h = vec_all(1.0 / in->h), slope_norm = vec_all(in->norm / (in->h * in->h));
   for (int i = from; i < to; i++) {
     row r = take_row(in, i);
@@ -94,7 +108,10 @@ SPH_LANES void force_loop(const sph_lanes *in, int from, int to, double *sum,
       const vec f = b[3] * slope_norm * slope(q);
       if (in->porous)
         eps = 0.5 * (eps + vec_load_1(in->mass + 2, 4, in->partner + r.k));
-      force_of(in, d, u, d2, r.p + b[7], eps, &along_d, &along_u);
+      vec p = r.p + b[7];
+      if (repel)
+        p += repulsion(in, r.p, b[7], shape(q));
+      force_of(in, d, u, d2, p, eps, &along_d, &along_u);
       for (int c = 0; c < 3; c++)
         s[c] += f * (along_d * d[c] + along_u * u[c]);
     }
@@ -103,12 +120,40 @@ SPH_LANES void force_loop(const sph_lanes *in, int from, int to, double *sum,
   }
 }
 
+/* S.19. */
+SPH_LANES void shift_loop(const sph_lanes *in, int from, int to, double *sum,
+                          sph_kernel_function slope) {
+  const vec per_h = vec_all(1.0 / in->h), slope_norm = vec_all(in->norm / (in->h * in->h));
+  for (int i = from; i < to; i++) {
+    row r = take_row(in, i);
+    vec s[7];
+    for (int c = 0; c < 7; c++)
+      s[c] = vec_all(0.0);
+    for (; r.k < r.end; r.k += SPH_WIDTH) {
+      vec b[8], d[3], u[3];
+      vec_load_8(in->xv, in->partner + r.k, b);
+      const vec d2 = separate(&r, b, d, u), q = vec_sqrt(d2) * per_h;
+      const vec f = b[3] * slope_norm * slope(q), p = b[7] - r.p;
+      for (int c = 0; c < 3; c++) {
+        s[c] += f * d[c];
+        s[3 + c] += p * f * d[c];
+      }
+      s[6] -= f * d2;
+    }
+    for (int c = 0; c < 7; c++)
+      sum[SPH_SHIFTS * (size_t)i + (size_t)c] = vec_sum(s[c]);
+  }
+}
+
 #define SPH_KERNEL(name, key, support, meaning)                                                    \
   static void density_##name(const sph_lanes *in, int from, int to, double *sum) {                 \
     density_loop(in, from, to, sum, sph_shape_##name, sph_slope_##name);                           \
   }                                                                                                \
   static void force_##name(const sph_lanes *in, int from, int to, double *sum) {                   \
-    force_loop(in, from, to, sum, sph_slope_##name);                                               \
+    force_loop(in, from, to, sum, sph_shape_##name, sph_slope_##name);                             \
+  }                                                                                                \
+  static void shift_##name(const sph_lanes *in, int from, int to, double *sum) {                   \
+    shift_loop(in, from, to, sum, sph_slope_##name);                                               \
   }
 #include "sph/kernels.def"
 #undef SPH_KERNEL
@@ -121,6 +166,11 @@ static const sph_loops loops = {SPH_WIDTH,
                                 },
                                 {
 #define SPH_KERNEL(name, key, support, meaning) force_##name,
+#include "sph/kernels.def"
+#undef SPH_KERNEL
+                                },
+                                {
+#define SPH_KERNEL(name, key, support, meaning) shift_##name,
 #include "sph/kernels.def"
 #undef SPH_KERNEL
                                 }};

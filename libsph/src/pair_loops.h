@@ -8,7 +8,7 @@
 
 #include "sph/sph.h"
 
-enum { SPH_XV = 8, SPH_SUMS = 8, SPH_BLOCK = 8 };
+enum { SPH_XV = 8, SPH_SUMS = 8, SPH_SHIFTS = 8, SPH_BLOCK = 8 };
 
 /* What a loop works on. Loops do not know sph_t. */
 typedef struct sph_lanes {
@@ -17,25 +17,29 @@ typedef struct sph_lanes {
   const int *start;   /* [rows+1], multiples of 8 */
   const int *partner; /* padded with the particle itself, which adds nothing */
   int dimensions;
-  double h, norm;             /* m, 1/m3: W = norm shape(r/h) */
-  double density;             /* kg/m3 */
-  double hydrostatic[3];      /* Pa/m, rho_0 g along directions that are not periodic (S.5) */
-  int diffuse, smooth, count; /* the density loop also sums S.5, S.11, S.6 */
-  int porous;                 /* eps is not 1 everywhere */
-  double viscosity;           /* Pa s, of Morris, 0: none */
-  double monaghan;            /* kg/(m2 s), rho_0 times alpha of S.9, 0: none */
-  double sound_speed;         /* m/s */
-  double artificial;          /* kg/(m s), rho_0 alpha c h of S.10, 0: none */
+  double h, norm;               /* m, 1/m3: W = norm shape(r/h) */
+  double density;               /* kg/m3 */
+  double hydrostatic[3];        /* Pa/m, rho_0 g along directions that are not periodic (S.5) */
+  int diffuse, smooth, count;   /* the density loop also sums S.5, S.11, S.6 */
+  int porous;                   /* eps is not 1 everywhere */
+  double viscosity;             /* Pa s, of Morris, 0: none */
+  double monaghan;              /* kg/(m2 s), rho_0 times alpha of S.9, 0: none */
+  double sound_speed;           /* m/s */
+  double artificial;            /* kg/(m s), rho_0 alpha c h of S.10, 0: none */
+  double repulsion, anti_clump; /* factors of S.20 and S.21, 0: none */
+  double per_shape;             /* 1/shape(dx/h) */
 } sph_lanes;
 
 /* Sums of rows from .. to-1 into sum[row][SPH_SUMS]. density: [0] sum V u.grad W, [1] sum V (p_j -
  * p_i
  * - hydrostatic) slope, [2..4] sum V (v_j - v_i) W, [5] sum W without the own. force: [0..2] force
- * over own volume. Where a sum is not asked for it is not written. */
+ * over own volume. shift, into [row][SPH_SHIFTS]: [0..2] sum V grad W, [3..5] sum V (p_j - p_i)
+ * grad W, [6] -sum V x_ij.grad W. Where a sum is not asked for it is not written.
+ */
 typedef void (*sph_pair_loop)(const sph_lanes *lanes, int from, int to, double *sum);
 typedef struct sph_loops {
   int width;
-  sph_pair_loop density[SPH_KERNEL_COUNT], force[SPH_KERNEL_COUNT];
+  sph_pair_loop density[SPH_KERNEL_COUNT], force[SPH_KERNEL_COUNT], shift[SPH_KERNEL_COUNT];
 } sph_loops;
 
 const sph_loops *sph_loops_plain(void);

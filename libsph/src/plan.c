@@ -10,6 +10,7 @@ void sph_make_plan(sph_t *sph) {
   plan->walls = sph->walls.count > 0;
   plan->diffusion = p->density_diffusion > 0.0;
   plan->xsph = p->xsph > 0.0;
+  plan->shifting = p->shifting > 0.0;
   plan->summation = p->density_scheme == SPH_SUMMATION;
   plan->viscous = p->viscosity > 0.0 || p->artificial_viscosity > 0.0;
   plan->hydrostatic =
@@ -26,6 +27,10 @@ static int check_fields(const sph_t *sph) {
     if (!isfinite(f[0] + f[1] + f[2]))
       return part_fail(PART_ERR_NUMERIC, "particle %lld: the force on it is not finite",
                        (long long)sph_id(sph, i));
+    if (!isfinite(f[3] + f[4] + f[5] + f[6]))
+      return part_fail(PART_ERR_NUMERIC,
+                       "particle %lld: the rate or the gradient of its eps is not finite",
+                       (long long)sph_id(sph, i));
     if (sph->params.dimensions == 2 && f[2] != 0.0)
       return part_fail(PART_ERR_RANGE,
                        "particle %lld: the force on it has a z component of %g N; must be 0 with "
@@ -36,19 +41,22 @@ static int check_fields(const sph_t *sph) {
 }
 
 int sph_plan_fields(sph_t *sph) {
-  double most[2] = {-1.0, 0.0};
+  double most[3] = {-1.0, 0.0, 0.0};
   PART_TRY(part_agree(sph->comm, check_fields(sph)));
   for (int i = 0; i < sph->store->local; i++) {
     const double *f = sph_force(sph) + SPH_FORCE * (size_t)i;
     most[0] = fmax(most[0], -sph_mass(sph)[SPH_MASS * (size_t)i + 2]);
     if (f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0)
       most[1] = 1.0;
+    if (f[3] != 0.0 || f[4] != 0.0 || f[5] != 0.0 || f[6] != 0.0)
+      most[2] = 1.0;
   }
-  if (MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_DOUBLE, MPI_MAX, sph->comm) != MPI_SUCCESS)
+  if (MPI_Allreduce(MPI_IN_PLACE, most, 3, MPI_DOUBLE, MPI_MAX, sph->comm) != MPI_SUCCESS)
     return part_fail(PART_ERR_MPI, "a maximum over ranks failed");
   sph->least_eps = -most[0];
-  sph->plan.porous = sph->least_eps < 1.0;
+  sph->plan.porous = sph->least_eps < 1.0 || most[2] > 0.0;
   sph->plan.forces = most[1] > 0.0;
+  sph->plan.eps_moves = most[2] > 0.0;
   return PART_OK;
 }
 
@@ -78,6 +86,14 @@ int sph_plan_text(const sph_t *sph, size_t size, char *text) {
   if (!plan->xsph && !plan->summation)
     PART_TRY(add_line(size, text, "kernel values", "neither xsph nor summation",
                       "a third of the density loop"));
+  if (!plan->shifting)
+    PART_TRY(add_line(size, text, "particle shifting", "shifting is 0", "a loop over pairs"));
+  if (!(sph->params.artificial_pressure > 0.0) && !(sph->params.anti_clump > 0.0))
+    PART_TRY(add_line(size, text, "kernel values of forces",
+                      "neither artificialPressure nor antiClump", "a third of the force loop"));
+  if (!plan->eps_moves)
+    PART_TRY(
+        add_line(size, text, "change of eps within a step", "no rate of eps", "a sum a particle"));
   if (!plan->viscous)
     PART_TRY(add_line(size, text, "viscous force", "no viscosity", "a division a pair"));
   if (!plan->walls)

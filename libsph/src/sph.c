@@ -54,6 +54,11 @@ static int check_scheme(const sph_params *p) {
                      "%s: entry densityDiffusion: %g is not allowed with densityScheme summation, "
                      "must be 0 or left out",
                      table, p->density_diffusion);
+  if (p->shifting > 0.0)
+    return part_fail(
+        PART_ERR_RANGE,
+        "%s: entry shifting: %g is not allowed with densityScheme summation, must be 0", table,
+        p->shifting);
   if (p->xsph > 0.0)
     return part_fail(PART_ERR_RANGE,
                      "%s: entry xsph: %g is not allowed with densityScheme summation, must be 0",
@@ -115,6 +120,7 @@ void sph_destroy(sph_t *sph) {
   free(sph->lists.start);
   free(sph->lists.partner);
   free(sph->sum);
+  free(sph->shift);
   free(sph->shade);
   free(sph->saved);
   if (sph->comm != MPI_COMM_NULL)
@@ -167,6 +173,8 @@ int sph_get_view(sph_t *sph, sph_view *view) {
                      .acceleration = sph_rate(sph),
                      .rate_stride = SPH_RATE,
                      .force = sph_force(sph),
+                     .eps_rate = sph_force(sph) + 3,
+                     .eps_gradient = sph_force(sph) + 4,
                      .force_stride = SPH_FORCE,
                      .kernel = sph->params.kernel,
                      .dimensions = (int)sph->params.dimensions,

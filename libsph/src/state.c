@@ -39,6 +39,9 @@ static sph_lanes lanes_of(const sph_t *sph) {
   const int all = !p->skip;
   const double *g = sph->hydrostatic;
   return (sph_lanes){
+      .repulsion = p->artificial_pressure,
+      .anti_clump = p->anti_clump,
+      .per_shape = 1.0 / sph_shape(p->kernel, p->spacing / p->smoothing_length),
       .xv = sph_xv(sph),
       .mass = sph_mass(sph),
       .start = sph->lists.start,
@@ -77,9 +80,17 @@ int sph_density_rates(sph_t *sph) {
   }
   for (int i = 0; i < sph->store->local; i++) {
     const double *s = sph->sum + SPH_SUMS * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
-    sph_rate(sph)[SPH_RATE * (size_t)i + 3] = m[1] * s[0] - m[2] * diffuse * s[1];
+    sph_rate(sph)[SPH_RATE * (size_t)i + 3] = m[1] * s[0] - diffuse * s[1];
   }
   return PART_OK;
+}
+
+int sph_shift_sums(sph_t *sph) {
+  const sph_lanes lanes = lanes_of(sph);
+  part_timers_start(sph->timers, sph->stage[SPH_STAGE_MOVE]);
+  sph->loops->shift[sph->params.kernel](&lanes, 0, sph->lists.rows, sph->shift);
+  part_timers_stop(sph->timers, sph->stage[SPH_STAGE_MOVE]);
+  return sph->plan.walls ? sph_walls_shift(sph) : PART_OK;
 }
 
 void sph_density_sums(sph_t *sph) {

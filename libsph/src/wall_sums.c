@@ -178,3 +178,27 @@ void sph_walls_add_impulse(sph_t *sph, double h) {
   for (int w = 0; w < sph->walls.count; w++)
     sph_sum_add(&sph->walls.wall[w].impulse, sph->walls.wall[w].force, h);
 }
+
+/* Points have the pressure and eps of the particle: they add to the first and last of the sums of
+ * S.19 alone. */
+int sph_walls_shift(sph_t *sph) {
+  const double h = sph->params.smoothing_length, slope_norm = sph->norm / (h * h);
+  int status = PART_OK;
+  part_timers_start(sph->timers, sph->stage[SPH_STAGE_WALLS]);
+  for (int row = 0; status == PART_OK && row < sph->walls.rows; row++) {
+    double *sum = sph->shift + SPH_SHIFTS * (size_t)sph->walls.particle[row];
+    sph_seer s;
+    status = sph_walls_see(sph, row, &s);
+    const int n = status == PART_OK && s.count > 0 ? sph_walls_points(sph, &s) : 0;
+    for (int k = 0; k < n; k++) {
+      const sph_point *p = &sph->walls.point[k];
+      const double r2 = dot(p->r, p->r);
+      const double f = p->volume * slope_norm * sph_slope(sph->params.kernel, sqrt(r2) / h);
+      for (int c = 0; c < 3; c++)
+        sum[c] -= f * p->r[c];
+      sum[6] -= f * r2;
+    }
+  }
+  part_timers_stop(sph->timers, sph->stage[SPH_STAGE_WALLS]);
+  return status;
+}

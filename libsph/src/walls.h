@@ -124,6 +124,7 @@ double sph_walls_mirror(const struct sph_t *sph, double behind, double distance)
  * -------------------------------------- */
 int sph_walls_density(struct sph_t *sph);
 int sph_walls_force(struct sph_t *sph);
+int sph_walls_shift(struct sph_t *sph);
 void sph_walls_add_impulse(struct sph_t *sph, double h);
 
 #endif

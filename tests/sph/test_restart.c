@@ -25,6 +25,9 @@ static scene tank(int scheme) {
   s.params.viscosity = 0.5;
   s.params.artificial_viscosity = 0.05;
   s.params.xsph = 0.3;
+  s.params.shifting = 1.0;
+  s.params.artificial_pressure = 0.2;
+  s.params.anti_clump = 0.01;
   s.params.time_scheme = scheme;
   return s;
 }
@@ -40,6 +43,8 @@ static void run(sph_t *sph, int n) {
     OK(sph_get_view(sph, &view));
     for (int i = 0; i < view.own; i++) {
       view.force[view.force_stride * i] = 1e-3;
+      view.eps_rate[view.force_stride * i] = -0.05;
+      view.eps_gradient[view.force_stride * i + 2] = 0.7;
       view.eps[view.mass_stride * i] =
           eps_at(view.position[view.xv_stride * i + 2], 0.3 + 0.1 * sph_time(sph));
     }

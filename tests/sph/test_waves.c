@@ -151,6 +151,9 @@ static void momentum_is_kept(void **state) {
   s.params.viscosity = 1.0;
   s.params.artificial_viscosity = 0.1;
   s.params.xsph = 0.5;
+  s.params.shifting = 2.0;
+  s.params.artificial_pressure = 0.2;
+  s.params.anti_clump = 0.01;
   for (int k = 0; k < 4; k++) {
     double eps[1000];
     sph_view view;

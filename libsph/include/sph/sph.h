@@ -2,7 +2,7 @@
 /* libsph: smoothed particle hydrodynamics. An sph_t holds the particles of a weakly compressible
  * fluid and its walls, and advances them under gravity and a force that whoever couples puts in. The
  * equations are those of a fluid averaged over the solids in it (Robinson et al. 2014; Markauskas et
- * al. 2017): doc/equations.md, S.1 to S.17.
+ * al. 2017): doc/equations.md, S.1 to S.21.
  *
  * SI units. Status returns as in particle/status.h. Calls marked collective are made by all ranks
  * of the communicator together; the others are local. */
@@ -73,6 +73,7 @@ typedef struct sph_params {
   double density_diffusion;
   int viscosity_model;
   double artificial_viscosity, xsph;
+  double shifting, artificial_pressure, anti_clump; /* S.19, S.20, S.21 */
   int time_scheme;
   double courant, viscous_fraction, force_fraction;
   double skin_fraction; /* of the radius of the support */
@@ -140,7 +141,8 @@ int sph_displace(sph_t *sph, const double *eps);
 int sph_advance(sph_t *sph, double dt, int *steps);
 
 /* The particles. Whoever couples sets the fields EPS (0 < eps <= 1) and FORCE (N) of own particles
- * before sph_advance; FORCE is constant over it. */
+ * before sph_advance; FORCE is constant over it. With EPS_RATE and EPS_GRADIENT eps follows the
+ * particles through the steps of an advance (S.18), which it should where eps varies. */
 part_store *sph_store(sph_t *sph);
 /* Counts calls that changed the order of own particles, for caches outside. */
 long long sph_generation(const sph_t *sph);
@@ -164,7 +166,9 @@ typedef struct sph_view {
                                  with walls, m/s2; times rho_bar it is theta of Robinson et al. 2014,
                                  eq. 25 */
   int rate_stride;
-  double *force; /* [own][3], stride force_stride; may be written */
+  double *force;        /* [own][3], stride force_stride; may be written */
+  double *eps_rate;     /* [own], stride force_stride, 1/s: at a fixed place; may be written */
+  double *eps_gradient; /* [own][3], stride force_stride, 1/m; may be written */
   int force_stride;
   int kernel, dimensions;
   double h, depth; /* m; W per volume is that of sph_kernel_value over depth with two dimensions */
