@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A run that stops at a write and goes on, against the run without stop: bytes."""
 import os
+import re
 import shutil
 
 from coupled import arrays, control, times
@@ -11,12 +12,24 @@ def files(folder):
     return sorted(os.path.relpath(os.path.join(at, name), folder) for at, _, names in os.walk(folder) for name in names)
 
 
+def same_sum(a, b):
+    """OpenFOAM's sum of continuity errors, which only the log shows: text of writePrecision digits also in binary files, so a
+    run of 6 digits goes on from a rounded one."""
+    values = []
+    for path in (a, b):
+        with open(path) as source:
+            values.append(float(re.search(r'\nvalue +(\S+);', source.read()).group(1)))
+    return abs(values[0] - values[1]) <= 1e-5 * abs(values[1])
+
+
 def different(a, b):
     """Files under the folders a and b that differ (or are in one only)."""
     names = set(files(a)) | set(files(b))
     apart = []
     for name in sorted(names):
         pair = [os.path.join(folder, name) for folder in (a, b)]
+        if os.path.basename(name) == 'cumulativeContErr' and all(map(os.path.exists, pair)) and same_sum(*pair):
+            continue
         if not all(map(os.path.exists, pair)) or open(pair[0], 'rb').read() != open(pair[1], 'rb').read():
             apart.append(name)
     return apart
