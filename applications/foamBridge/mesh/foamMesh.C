@@ -106,6 +106,13 @@ int foamMesh::exchange(void* context, int n, const double* own, double* other)
         size*sizeof(double), patch.tag(), patch.comm()
       );
     }
+    else if (!isA<cyclicPolyPatch>(patches[patchi]))
+    {
+      FatalErrorInFunction
+          << "patch " << patches[patchi].name() << " of type " << patches[patchi].type()
+          << ": smoothing goes through cyclic patches whose faces match; allowed: cyclic, or smoothing off"
+          << exit(FatalError);
+    }
     else
     {
       const label partner = refCast<const cyclicPolyPatch>(patches[patchi]).neighbPatchID();
