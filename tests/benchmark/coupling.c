@@ -2,10 +2,10 @@
 /* Time of the stages of an exchange, per sphere: CPU time of the busiest rank, median over repeats.
  *   coupling MESH [SPHERES]      MESH: cartesian, polyhedra, warped
  * 27,000 cells (polyhedra: 30,000, duals of tetrahedra with 14 planar faces; warped: the same with
- * corners moved by up to a tenth of an edge), 40,000 spheres of half a cell edge, in the order of their cells as a particle store has them,
- * a little elsewhere in every repeat. On several ranks the cells are divided along z and the spheres
- * along y, so that both must meet: the busiest rank's time for all spheres is printed.
- * Prints lines "MESH STAGE nanoseconds". */
+ * corners moved by up to a tenth of an edge), 40,000 spheres of half a cell edge, in the order of
+ * their cells as a particle store has them, a little elsewhere in every repeat. On several ranks
+ * the cells are divided along z and the spheres along y, so that both must meet: the busiest rank's
+ * time for all spheres is printed. Prints lines "MESH STAGE nanoseconds". */
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
