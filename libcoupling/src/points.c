@@ -126,7 +126,6 @@ void cpl_points_destroy(cpl_points_t *p) {
   CPL_FREE(p->start);
   CPL_FREE(p->partner);
   CPL_FREE(p->weight);
-  CPL_FREE(p->seen);
   CPL_FREE(p->bin_start);
   CPL_FREE(p->bin_of);
   CPL_FREE(p->solid);

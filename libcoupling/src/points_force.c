@@ -19,8 +19,8 @@ static double norm3(const double *v) {
 static const double WET = 0.9;
 
 /* ---- sample --------------------------------------------------------------------------------- */
-/* Columns of the sums: S, S with mirrored visits, eps, u, then theta or the mean size. */
-enum { SUM = 0, SUM_ALL, EPS, U, MORE = 6, MOST = 9 };
+/* Columns of the sums: S, eps, u, then theta. */
+enum { SUM = 0, EPS, U, MORE = 5, MOST = 8 };
 
 static int width(const cpl_points_t *p) {
   return MORE + (p->params.form == CPL_POINTS_GRADIENT ? 3 : 0);
@@ -29,7 +29,7 @@ static int width(const cpl_points_t *p) {
 static void point_row(const cpl_points_t *p, const cpl_fluid_points *fluid, int a, double *row) {
   const double v = p->share.data[a];
   const double *u = points_at(fluid->velocity, fluid->velocity_stride, a);
-  row[SUM] = row[SUM_ALL] = v;
+  row[SUM] = v;
   row[EPS] = v * p->eps.data[a];
   for (int c = 0; c < 3; c++)
     row[U + c] = v * u[c];
@@ -49,7 +49,6 @@ static void add_visits(const cpl_points_t *p, int n, const double *rows, double 
       for (int d = 0; d < n; d++)
         sum[d] += w * row[d];
     }
-    sum[SUM_ALL] += p->seen.data[k];
     memcpy(received + (size_t)k * (size_t)n, sum, (size_t)n * sizeof *sum);
   }
 }
@@ -124,9 +123,9 @@ static int numeric(const cpl_points_t *p, const cpl_particles *particles, int i)
 }
 
 /* Share of a sphere that is in the fluid, from the sum of its kernel over the points (P.6). */
-static double wet_share(const cpl_points_t *p, const double *x, double all) {
+static double wet_share(const cpl_points_t *p, const double *x, double sum) {
   const double gamma = p->kernel.gamma ? fmax(p->kernel.gamma(p->kernel.context, x), 1e-3) : 1.0;
-  return fmin(all / (WET * gamma), 1.0);
+  return fmin(sum / (WET * gamma), 1.0);
 }
 
 /* beta of particle i, with the share by volume in the drag of the body it belongs to. */
@@ -159,7 +158,7 @@ static int particle_force(cpl_points_t *p, cpl_particles *particles, int i, cons
     return PART_OK; /* out of the fluid */
   const double eps = p->sampled_eps.data[i] = row[EPS] / sum;
   const double wet = p->wet.data[i] =
-      wet_share(p, points_at(particles->position, particles->position_stride, i), row[SUM_ALL]);
+      wet_share(p, points_at(particles->position, particles->position_stride, i), sum);
   for (int c = 0; c < 3; c++) {
     u[c] = row[U + c] / sum;
     slip += (u[c] - v[c]) * (u[c] - v[c]);

@@ -35,7 +35,7 @@ static int sort_points(cpl_points_t *p, const cpl_fluid_points *fluid, const bin
   PART_TRY(CPL_RESERVE(p->bin_start, bins + 1));
   PART_TRY(CPL_RESERVE(p->bin_of, n));
   PART_TRY(CPL_RESERVE(p->order, n));
-  PART_TRY(CPL_RESERVE(p->place, 4 * n));
+  PART_TRY(CPL_RESERVE(p->place, 3 * n));
   int *start = p->bin_start.data;
   memset(start, 0, (bins + 1) * sizeof *start);
   for (size_t a = 0; a < n; a++) {
@@ -52,8 +52,7 @@ static int sort_points(cpl_points_t *p, const cpl_fluid_points *fluid, const bin
     const int at = --start[p->bin_of.data[a] + 1];
     const double *x = points_at(fluid->position, fluid->position_stride, (int)a);
     p->order.data[at] = (int)a;
-    memcpy(p->place.data + 4 * (size_t)at, x, 3 * sizeof *x);
-    p->place.data[4 * (size_t)at + 3] = *points_at(fluid->volume, fluid->volume_stride, (int)a);
+    memcpy(p->place.data + 3 * (size_t)at, x, 3 * sizeof *x);
   }
   /* start[b + 1] is now where bin b begins */
   memmove(start, start + 1, bins * sizeof *start);
@@ -67,7 +66,7 @@ static size_t add_range(cpl_points_t *p, const cpl_points_visit *v, double reach
   int *partner = p->partner.data;
   double *weight = p->weight.data;
   for (int k = from; k < to; k++) {
-    const double *x = p->place.data + 4 * (size_t)k;
+    const double *x = p->place.data + 3 * (size_t)k;
     const double dx = x[0] - v->x[0], dy = x[1] - v->x[1], dz = x[2] - v->x[2];
     const double s2 = dx * dx + dy * dy + dz * dz;
     if (s2 >= reach2)
@@ -81,30 +80,7 @@ static size_t add_range(cpl_points_t *p, const cpl_points_visit *v, double reach
   return at;
 }
 
-/* The same for a mirrored sphere, which has no row: only what it adds to the solids, and the volume of fluid that
- * it sees (returned). */
-static double add_mirrored(cpl_points_t *p, const cpl_points_visit *v, double reach2, const double *row,
-                           double share, int from, int to) {
-  const double volume = points_sphere_volume(v->radius), per_size = volume / v->diameter;
-  const int sizes = points_uses_sizes(p);
-  double seen = 0.0;
-  for (int k = from; k < to; k++) {
-    const double *x = p->place.data + 4 * (size_t)k;
-    const double dx = x[0] - v->x[0], dy = x[1] - v->x[1], dz = x[2] - v->x[2];
-    const double s2 = dx * dx + dy * dy + dz * dz;
-    if (s2 >= reach2)
-      continue;
-    const double w = points_table_at(row, share, s2 * p->table.per_s2);
-    seen += w * x[3];
-    p->solid.data[p->order.data[k]] += volume * w;
-    if (sizes)
-      p->by_size.data[p->order.data[k]] += per_size * w;
-  }
-  return seen;
-}
-
-static int add_row(cpl_points_t *p, const bin_grid *grid, const cpl_points_visit *v, double *seen,
-                   size_t *at) {
+static int add_row(cpl_points_t *p, const bin_grid *grid, const cpl_points_visit *v, size_t *at) {
   const double reach = p->kernel.support + (p->params.porosity == CPL_POINTS_EXACT ? v->radius : 0.0);
   int lo[3], hi[3];
   double share;
@@ -117,10 +93,6 @@ static int add_row(cpl_points_t *p, const bin_grid *grid, const cpl_points_visit
     for (int y = lo[1]; y <= hi[1]; y++) {
       const int line = (z * grid->n[1] + y) * grid->n[0];
       const int from = p->bin_start.data[line + lo[0]], to = p->bin_start.data[line + hi[0] + 1];
-      if (v->mirrored > 0.0) {
-        *seen += add_mirrored(p, v, reach * reach, row, share, from, to);
-        continue;
-      }
       PART_TRY(CPL_RESERVE(p->partner, *at + (size_t)(to - from)));
       PART_TRY(CPL_RESERVE(p->weight, *at + (size_t)(to - from)));
       *at = add_range(p, v, reach * reach, row, share, from, to, *at);
@@ -143,7 +115,6 @@ static int reserve(cpl_points_t *p) {
   const size_t n = (size_t)p->points;
   PART_TRY(CPL_RESERVE(p->solid, n));
   PART_TRY(CPL_RESERVE(p->start, (size_t)p->received + 1));
-  PART_TRY(CPL_RESERVE(p->seen, p->received));
   memset(p->solid.data, 0, n * sizeof(double));
   if (!points_uses_sizes(p))
     return PART_OK;
@@ -162,9 +133,8 @@ int points_make_pairs(cpl_points_t *p, const cpl_fluid_points *fluid) {
   }
   for (int k = 0; k < p->received; k++) {
     p->start.data[k] = at;
-    p->seen.data[k] = 0.0;
     if (p->points > 0)
-      PART_TRY(add_row(p, &grid, p->visit.data + k, &p->seen.data[k], &at));
+      PART_TRY(add_row(p, &grid, p->visit.data + k, &at));
     p->start.data[k + 1] = at;
     add_solid(p, k);
   }

@@ -10,10 +10,9 @@
 
 enum cpl_points_stage { POINTS_LOCATE, POINTS_POROSITY, POINTS_FORCE, POINTS_REACTION, POINTS_STAGES };
 
-/* A sphere as seen from a rank with points in its reach. */
+/* A sphere, or an image of one, as seen from a rank with points in its reach. */
 typedef struct cpl_points_visit {
   double x[3], radius, diameter; /* m; diameter: of the drag law */
-  double mirrored;               /* 1: image behind a plane, for eps alone */
 } cpl_points_visit;
 
 enum { POINTS_GROUPS = 3 }; /* directions of planes */
@@ -46,11 +45,10 @@ struct cpl_points_t {
   /* points of this rank, and pairs in rows of received visits */
   int points;
   CPL_ARRAY(int) order;   /* [points] bin order -> caller's */
-  CPL_ARRAY(double) place; /* [points][4] in bin order: x, V */
+  CPL_ARRAY(double) place; /* [points][3] in bin order */
   CPL_ARRAY(size_t) start; /* [received + 1] */
   CPL_ARRAY(int) partner;  /* caller's index of the point */
-  CPL_ARRAY(double) weight; /* K_ia, 1/m3; a mirrored visit has an empty row */
-  CPL_ARRAY(double) seen;   /* [received] of a mirrored visit, sum_a V_a K_ia as located */
+  CPL_ARRAY(double) weight; /* K_ia, 1/m3 */
   CPL_ARRAY(int) bin_start;
   CPL_ARRAY(int) bin_of;
   CPL_ARRAY(double) solid;   /* [points] sum_i V_i K_ia */

@@ -67,10 +67,10 @@ static double distance(const cpl_points_plane *q, const double x[3]) {
 enum { IMAGES = 1000 };
 typedef struct image_list {
   int count;
-  double x[IMAGES][4]; /* place, 1: mirrored */
+  double x[IMAGES][3]; /* m */
 } image_list;
 
-static int add_image(image_list *list, const double x[3], double mirrored) {
+static int add_image(image_list *list, const double x[3]) {
   if (list->count == IMAGES)
     return part_fail(PART_ERR_RANGE,
                      "coupling: a sphere at (%g %g %g) m has more than %d images: the coupling length is much "
@@ -80,7 +80,6 @@ static int add_image(image_list *list, const double x[3], double mirrored) {
   to[0] = x[0];
   to[1] = x[1];
   to[2] = x[2];
-  to[3] = mirrored;
   return PART_OK;
 }
 
@@ -98,7 +97,7 @@ static int mirror_chain(const cpl_points_t *p, image_list *list, int group, int 
     for (int c = 0; c < 3; c++)
       x[c] -= 2.0 * d * q->normal[c];
     if (d > 0.0)
-      PART_TRY(add_image(list, x, 1.0));
+      PART_TRY(add_image(list, x));
     else
       return PART_OK; /* behind the wall already */
   }
@@ -122,7 +121,7 @@ static int periodic_images(const cpl_points_t *p, image_list *list) {
       for (int side = -1; side <= 1; side += 2) {
         double x[3] = {list->x[k][0], list->x[k][1], list->x[k][2]};
         x[c] += side * length;
-        PART_TRY(add_image(list, x, list->x[k][3]));
+        PART_TRY(add_image(list, x));
       }
   }
   return PART_OK;
@@ -155,7 +154,7 @@ static int visit_ranks(cpl_points_t *p, int i, const image_list *list, double ra
     for (int r = 0; r < p->size; r++)
       if (reaches(p->bounds.data + 6 * (size_t)r, list->x[k], reach)) {
         const double *x = list->x[k];
-        const cpl_points_visit visit = {{x[0], x[1], x[2]}, radius, diameter, x[3]};
+        const cpl_points_visit visit = {{x[0], x[1], x[2]}, radius, diameter};
         PART_TRY(add_visit(p, i, r, &visit));
       }
   return PART_OK;
@@ -197,7 +196,7 @@ int points_make_visits(cpl_points_t *p, const cpl_particles *particles) {
     double wrapped[3] = {x[0], x[1], x[2]};
     part_box_wrap(&p->box, wrapped, NULL);
     list->count = 0;
-    status = add_image(list, wrapped, 0.0);
+    status = add_image(list, wrapped);
     if (status == PART_OK)
       status = mirror_images(p, list, reach);
     if (status == PART_OK)

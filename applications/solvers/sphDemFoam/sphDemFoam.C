@@ -29,6 +29,11 @@ int main(int argc, char* argv[])
   );
   #include "setRootCaseLists.H"
   #include "createTime.H"
+  if (runTime.controlDict().found("functions"))
+  {
+    Info<< "functions of controlDict are off: they are for fields on the mesh, of which there are none" << nl;
+    runTime.functionObjects().off();
+  }
   #include "createPolyMesh.H"
   #include "readFluidProperties.H"
 

@@ -42,8 +42,8 @@ typedef struct cpl_points_kernel {
   const void *context;
 } cpl_points_kernel;
 
-/* Plane walls at which spheres are mirrored, so that eps is right beside them and in their corners, and no
- * solid volume is lost behind them: whole planes, at right angles to each other or parallel (two at most),
+/* Plane walls at which spheres are mirrored, so that eps is right beside them and in their corners, no solid
+ * volume is lost behind them, and beside a wall the fluid gets its part of the drag as elsewhere: whole planes, at right angles to each other or parallel (two at most),
  * not across a periodic direction. */
 typedef struct cpl_points_plane {
   double point[3], normal[3]; /* m; 1, to the fluid */
