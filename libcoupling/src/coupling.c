@@ -7,10 +7,6 @@
 #include "exchange.h"
 #include "sphere.h"
 
-int cpl_agree(const cpl_t *cpl, int status) {
-  return cpl->size > 1 ? part_agree(cpl->comm, status) : status;
-}
-
 /* ---- life ----------------------------------------------------------------------------------- */
 static int check_fluid(const cpl_fluid *fluid) {
   if (!isfinite(fluid->density) || fluid->density <= 0.0)

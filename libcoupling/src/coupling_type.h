@@ -81,7 +81,9 @@ struct cpl_t {
 };
 
 /* The largest status of all ranks; nothing with one rank. */
-int cpl_agree(const cpl_t *cpl, int status);
+static inline int cpl_agree(const cpl_t *cpl, int status) {
+  return cpl->size > 1 ? part_agree(cpl->comm, status) : status;
+}
 /* Local. ERR_STATE unless the particles are those of the last cpl_locate, in that order. */
 int cpl_check_order(const cpl_t *cpl, const cpl_particles *particles, const char *caller);
 

@@ -28,14 +28,8 @@ static int uses_pressure(const cpl_t *cpl) {
   return cpl->params.model != CPL_MODEL_B && cpl->params.pressure_gradient;
 }
 
-static const unsigned char law_needs_sizes[] = {
-#define CPL_DRAG(name, function, re_low, re_high, eps_low, eps_high, sizes, meaning) sizes,
-#include "coupling/drag_laws.def"
-#undef CPL_DRAG
-};
-
 static int uses_sizes(const cpl_t *cpl) {
-  return law_needs_sizes[cpl->params.drag];
+  return cpl_drag_needs_sizes(cpl->params.drag);
 }
 
 static inline double drag_radius(const cpl_t *cpl, const cpl_particles *p, int i) {

@@ -29,6 +29,12 @@ static const cpl_drag_law drag_functions[] = {
 #undef CPL_DRAG
 };
 
+static const unsigned char law_needs_sizes[] = {
+#define CPL_DRAG(name, function, re_low, re_high, eps_low, eps_high, sizes, meaning) sizes,
+#include "coupling/drag_laws.def"
+#undef CPL_DRAG
+};
+
 static const cpl_drag_range drag_ranges[] = {
 #define CPL_DRAG(name, function, re_low, re_high, eps_low, eps_high, sizes, meaning)               \
   {re_low, re_high, eps_low, eps_high},
@@ -93,4 +99,8 @@ cpl_drag_law cpl_drag_function(int law) {
 
 const cpl_drag_range *cpl_drag_range_of(int law) {
   return law >= 0 && law < cpl_drag_count() ? &drag_ranges[law] : NULL;
+}
+
+int cpl_drag_needs_sizes(int law) {
+  return law >= 0 && law < cpl_drag_count() && law_needs_sizes[law];
 }

@@ -35,16 +35,6 @@ static const part_param rows[] = {
 
 const part_param_table cpl_points_table = {"points", (int)(sizeof rows / sizeof *rows), rows};
 
-static const unsigned char law_needs_sizes[] = {
-#define CPL_DRAG(name, function, re_low, re_high, eps_low, eps_high, sizes, meaning) sizes,
-#include "coupling/drag_laws.def"
-#undef CPL_DRAG
-};
-
-int points_uses_sizes(const cpl_points_t *p) {
-  return law_needs_sizes[p->params.drag];
-}
-
 /* ---- life ----------------------------------------------------------------------------------- */
 static int check(const cpl_points_params *params, const cpl_fluid *fluid,
                  const cpl_points_kernel *kernel) {

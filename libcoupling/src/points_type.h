@@ -85,7 +85,8 @@ int points_forward(cpl_points_t *p, int n, const double *value, double **receive
 int points_back(cpl_points_t *p, int n, double *received, double *value);
 /* points_pairs.c */
 int points_make_pairs(cpl_points_t *p, const cpl_fluid_points *fluid); /* local */
-/* drag laws that want the mean size around: forces.c keeps its own list */
-int points_uses_sizes(const cpl_points_t *p);
+static inline int points_uses_sizes(const cpl_points_t *p) {
+  return cpl_drag_needs_sizes(p->params.drag);
+}
 
 #endif

@@ -138,6 +138,7 @@ typedef struct cpl_drag_range {
 int cpl_drag_count(void);
 const char *cpl_drag_name(int law);
 cpl_drag_law cpl_drag_function(int law);
+int cpl_drag_needs_sizes(int law); /* 1: the law takes the mean diameter around */
 const cpl_drag_range *cpl_drag_range_of(int law); /* NULL: no such row */
 
 /* ---- life ----------------------------------------------------------------------------------- */
