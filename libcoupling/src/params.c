@@ -3,6 +3,7 @@
 #include <stddef.h>
 #include "coupling/coupling.h"
 #include "drag/laws.h"
+#include "param_rows.h"
 #include "void_fractions.h"
 
 static const char *const models[] = {"A", "B", "Bfull", NULL};
@@ -43,44 +44,9 @@ static const cpl_drag_range drag_ranges[] = {
 };
 
 static const part_param rows[] = {
-#define CPL_CHOICE(entry, member, list, need, value, text)                                         \
-  {.name = #entry,                                                                                 \
-   .type = PART_PARAM_CHOICE,                                                                      \
-   .offset = offsetof(cpl_params, member),                                                         \
-   .required = need,                                                                               \
-   .def = {value},                                                                                 \
-   .choices = list,                                                                                \
-   .meaning = text},
-#define CPL_INT(entry, member, value, from, to, text)                                              \
-  {.name = #entry,                                                                                 \
-   .type = PART_PARAM_INT,                                                                         \
-   .offset = offsetof(cpl_params, member),                                                         \
-   .def = {value},                                                                                 \
-   .low = from,                                                                                    \
-   .high = to,                                                                                     \
-   .meaning = text},
-#define CPL_SCALAR(entry, member, value, from, from_open, to, to_open, text)                       \
-  {.name = #entry,                                                                                 \
-   .type = PART_PARAM_SCALAR,                                                                      \
-   .offset = offsetof(cpl_params, member),                                                         \
-   .def = {value},                                                                                 \
-   .low = from,                                                                                    \
-   .low_open = from_open,                                                                          \
-   .high = to,                                                                                     \
-   .high_open = to_open,                                                                           \
-   .meaning = text},
-#define CPL_BOOL(entry, member, value, text)                                                       \
-  {.name = #entry,                                                                                 \
-   .type = PART_PARAM_BOOL,                                                                        \
-   .offset = offsetof(cpl_params, member),                                                         \
-   .def = {value},                                                                                 \
-   .high = 1,                                                                                      \
-   .meaning = text},
+#define CPL_STRUCT cpl_params
 #include "coupling/coupling_params.def"
-#undef CPL_CHOICE
-#undef CPL_INT
-#undef CPL_SCALAR
-#undef CPL_BOOL
+#undef CPL_STRUCT
 };
 
 const part_param_table cpl_params_table = {"coupling", (int)(sizeof rows / sizeof *rows), rows};

@@ -4,33 +4,16 @@
 #include <math.h>
 #include <stddef.h>
 #include <stdio.h>
+#include "param_rows.h"
 #include "points_type.h"
 
 static const char *const forms[] = {"combined", "gradient", NULL};
 static const char *const porosities[] = {"exact", "centre", NULL};
 
 static const part_param rows[] = {
-#define CPL_CHOICE(entry, member_, list, need, value, text)                                        \
-  {.name = #entry,                                                                                 \
-   .type = PART_PARAM_CHOICE,                                                                      \
-   .offset = offsetof(cpl_points_params, member_),                                                 \
-   .required = need,                                                                               \
-   .def = {value},                                                                                 \
-   .choices = list,                                                                                \
-   .meaning = text},
-#define CPL_SCALAR(entry, member_, value, from, from_open, to, to_open, text)                      \
-  {.name = #entry,                                                                                 \
-   .type = PART_PARAM_SCALAR,                                                                      \
-   .offset = offsetof(cpl_points_params, member_),                                                 \
-   .def = {value},                                                                                 \
-   .low = from,                                                                                    \
-   .low_open = from_open,                                                                          \
-   .high = to,                                                                                     \
-   .high_open = to_open,                                                                           \
-   .meaning = text},
+#define CPL_STRUCT cpl_points_params
 #include "coupling/points_params.def"
-#undef CPL_CHOICE
-#undef CPL_SCALAR
+#undef CPL_STRUCT
 };
 
 const part_param_table cpl_points_table = {"points", (int)(sizeof rows / sizeof *rows), rows};
@@ -46,7 +29,8 @@ static int check(const cpl_points_params *params, const cpl_fluid *fluid,
     return part_fail(PART_ERR_RANGE, "coupling: the kernel's support is %g m; it must be > 0",
                      kernel->support);
   if (!isfinite(fluid->density) || fluid->density <= 0.0)
-    return part_fail(PART_ERR_RANGE, "coupling: fluid density %g kg/m3; it must be > 0", fluid->density);
+    return part_fail(PART_ERR_RANGE, "coupling: fluid density %g kg/m3; it must be > 0",
+                     fluid->density);
   if (!isfinite(fluid->viscosity) || fluid->viscosity <= 0.0)
     return part_fail(PART_ERR_RANGE, "coupling: fluid viscosity %g Pa s; it must be > 0",
                      fluid->viscosity);
@@ -164,8 +148,8 @@ static int find_bounds(cpl_points_t *p, const cpl_fluid_points *fluid) {
   for (int a = 0; a < fluid->count; a++) {
     const double *x = points_at(fluid->position, fluid->position_stride, a);
     if (!isfinite(x[0] + x[1] + x[2]) && status == PART_OK)
-      status = part_fail(PART_ERR_NUMERIC, "coupling: fluid point %d is at (%g %g %g) m", a, x[0], x[1],
-                         x[2]);
+      status = part_fail(PART_ERR_NUMERIC, "coupling: fluid point %d is at (%g %g %g) m", a, x[0],
+                         x[1], x[2]);
     for (int c = 0; c < 3; c++) {
       own[c] = fmin(own[c], x[c]);
       own[3 + c] = fmax(own[3 + c], x[c]);
@@ -202,7 +186,8 @@ static int locate(cpl_points_t *p, const cpl_particles *particles, const cpl_flu
   return PART_OK;
 }
 
-int cpl_points_locate(cpl_points_t *p, const cpl_particles *particles, const cpl_fluid_points *fluid) {
+int cpl_points_locate(cpl_points_t *p, const cpl_particles *particles,
+                      const cpl_fluid_points *fluid) {
   part_timers_start(p->timers, p->stage[POINTS_LOCATE]);
   const int status = locate(p, particles, fluid);
   part_timers_stop(p->timers, p->stage[POINTS_LOCATE]);
@@ -215,10 +200,11 @@ static double inside(const cpl_points_t *p, const double *x) {
 }
 
 static int low_eps(const cpl_points_t *p, const double *x, double eps) {
-  return part_fail(PART_ERR_RANGE,
-                   "coupling: the porosity at (%g %g %g) m is %g, below minimumEps %g: particles overlap, or "
-                   "the coupling length is too short",
-                   x[0], x[1], x[2], eps, p->params.minimum_eps);
+  return part_fail(
+      PART_ERR_RANGE,
+      "coupling: the porosity at (%g %g %g) m is %g, below minimumEps %g: particles overlap, or "
+      "the coupling length is too short",
+      x[0], x[1], x[2], eps, p->params.minimum_eps);
 }
 
 static int porosity(cpl_points_t *p, cpl_fluid_points *fluid) {

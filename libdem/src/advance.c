@@ -52,8 +52,8 @@ static int check_state(const dem_t *dem) {
 }
 
 static void add_impulses(dem_t *dem, double h) {
-  dem_sum_add(&dem->wall_impulse, dem->wall_force, h);
-  dem_sum_add(&dem->support_impulse, dem->support_force, h);
+  part_sum_add(&dem->wall_impulse, dem->wall_force, h);
+  part_sum_add(&dem->support_impulse, dem->support_force, h);
   dem_walls_add_impulse(dem, h);
 }
 
@@ -180,7 +180,7 @@ static void end_fluid(dem_t *dem, double dt) {
   for (int i = 0; i < dem->store->local; i++) {
     double *f = fluid + DEM_FLUID * (size_t)i;
     if (dem_kind_of(dem, i) != DEM_FIXED) {
-      dem_sum_add(&dem->fluid_impulse, f + 4, 1.0);
+      part_sum_add(&dem->fluid_impulse, f + 4, 1.0);
       continue;
     }
     for (int c = 0; c < 3; c++)
@@ -248,7 +248,7 @@ int dem_kick(dem_t *dem, const double *impulse) {
                          "with dimensions 2",
                          (long long)dem_id(dem, i), j[2]);
     if (kind != DEM_FIXED)
-      dem_sum_add(&dem->fluid_impulse, j, 1.0);
+      part_sum_add(&dem->fluid_impulse, j, 1.0);
     for (int c = 0; c < 3; c++) {
       if (kind == DEM_FREE)
         v[c] += j[c] * v[3];

@@ -78,7 +78,7 @@ static void move_block(dem_t *dem, int number, double t, double h, double drift_
     weight += dem->block_gravity[number * dem->materials + m] * dem_gravity_factor(dem, m, t, h);
   /* Every rank knows the block; one of them counts its share of the budget. */
   if (dem->rank == 0)
-    dem_sum_add(&dem->gravity_impulse, dem->params.gravity, weight * h);
+    part_sum_add(&dem->gravity_impulse, dem->params.gravity, weight * h);
   for (int c = 0; c < 3; c++) {
     const double a = (block->force[c] + weight * dem->params.gravity[c]) * w;
     const double s = block->su[c] * w, v = block->v[c];

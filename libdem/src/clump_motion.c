@@ -106,7 +106,7 @@ static void move(dem_t *dem, dem_clump *b, double t, double h, double drift_h, i
   double gravity[3];
   for (int c = 0; c < 3; c++)
     gravity[c] = factor * dem->params.gravity[c];
-  dem_sum_add(&dem->gravity_impulse, gravity, b->mass * h);
+  part_sum_add(&dem->gravity_impulse, gravity, b->mass * h);
   if (fluid)
     dem_clump_kick_wet(dem, b, gravity, h, drift_h);
   else

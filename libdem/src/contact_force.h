@@ -12,7 +12,7 @@ typedef dem_response dem_law_function(const dem_lane_coefs *, const dem_touch *,
 /* Rotate the spring into the contact plane, its length kept, then let it change by way. Where the
  * turn would change the length by less than half a rounding error, the length is left alone: with
  * a = s_n/|s| it is a^2/2. */
-DEM_LANES void dem_spring_turn(const dem_touch *touch, vec keep, const vec way[3], vec spring[3]) {
+PART_LANES void dem_spring_turn(const dem_touch *touch, vec keep, const vec way[3], vec spring[3]) {
   const vec *n = touch->n;
   const vec s2 = spring[0] * spring[0] + spring[1] * spring[1] + spring[2] * spring[2];
   const vec s_n = spring[0] * n[0] + spring[1] * n[1] + spring[2] * n[2];
@@ -36,7 +36,7 @@ DEM_LANES void dem_spring_turn(const dem_touch *touch, vec keep, const vec way[3
  * and not at all when it is the dashpot against the spring. So a cut only takes energy. (Setting
  * the spring to what makes the limit, whatever its sign, loads it backwards when two bodies meet.)
  */
-DEM_LANES void dem_spring_force(const dem_touch *touch, vec stiffness, vec damping, double mass,
+PART_LANES void dem_spring_force(const dem_touch *touch, vec stiffness, vec damping, double mass,
                                 double dt, vec limit, const vec v[3], vec spring[3], vec f[3]) {
   const vec inverse_mass = vec_all(0.5 * dt / mass) * touch->inverse_root * touch->inverse_root;
   const vec damped = vec_all(1.0) / (vec_all(1.0) + damping * inverse_mass);
@@ -58,7 +58,7 @@ DEM_LANES void dem_spring_force(const dem_touch *touch, vec stiffness, vec dampi
 }
 
 /* The tangential spring, k_t and c_t of the law, limit mu times the normal force. */
-DEM_LANES void dem_slide(const dem_lane_coefs *coefs, const dem_touch *touch, const dem_response *r,
+PART_LANES void dem_slide(const dem_lane_coefs *coefs, const dem_touch *touch, const dem_response *r,
                          vec squeeze, vec v_n, double dt, vec spring[3], vec force[3]) {
   vec v[3], way[3], f[3];
   for (int c = 0; c < 3; c++) {
@@ -76,7 +76,7 @@ DEM_LANES void dem_slide(const dem_lane_coefs *coefs, const dem_touch *touch, co
  * plane in place of the displacement. The stiffness is k_t, the damping the same part of critical
  * for the least mass that rolling moves, 2/5 m_eff of spheres, the limit mu_roll times the normal
  * force. moment: torque on i, N m. */
-DEM_LANES void dem_roll(const dem_lane_coefs *coefs, const dem_touch *touch, const dem_response *r,
+PART_LANES void dem_roll(const dem_lane_coefs *coefs, const dem_touch *touch, const dem_response *r,
                         vec squeeze, double dt, vec spring[3], vec moment[3]) {
   const double rolling_mass = coefs->tangential_mass / (1.0 - coefs->tangential_mass);
   const vec c_r = vec_all(sqrt(rolling_mass / coefs->tangential_mass)) * r->c_t;
@@ -96,7 +96,7 @@ DEM_LANES void dem_roll(const dem_lane_coefs *coefs, const dem_touch *touch, con
 
 /* Force (N) and, with rolling, torque (N m) on i; the partner gets their negatives (and both the
  * torque of the force). history: 3 or 6 values, DEM_HISTORY_WIDTH(parts). */
-DEM_LANES void dem_contact_force(dem_law_function *law, const dem_lane_coefs *coefs,
+PART_LANES void dem_contact_force(dem_law_function *law, const dem_lane_coefs *coefs,
                                  const dem_touch *touch, int parts, double dt, vec *history,
                                  vec force[3], vec moment[3]) {
   const vec *n = touch->n, *v = touch->v;

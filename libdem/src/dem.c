@@ -21,26 +21,6 @@ static int create_parts(dem_t *dem, MPI_Comm comm, const part_box *box) {
   return PART_OK;
 }
 
-static int check_shape(const part_box *box, const dem_params *params) {
-  const char *table = dem_params_table.name;
-  if (params->dimensions == 3 && params->depth > 0.0)
-    return part_fail(PART_ERR_RANGE, "%s: entry depth is not allowed with dimensions 3", table);
-  if (params->dimensions == 3)
-    return PART_OK;
-  if (!(params->depth > 0.0))
-    return part_fail(PART_ERR_RANGE, "%s: entry depth must be given and positive with dimensions 2",
-                     table);
-  if (params->gravity[2] != 0.0)
-    return part_fail(PART_ERR_RANGE,
-                     "%s: entry gravity: its z component is %g m/s^2; must be 0 with dimensions 2",
-                     table, params->gravity[2]);
-  if (box->periodic[2])
-    return part_fail(PART_ERR_RANGE,
-                     "%s: entry dimensions: 2 is not allowed in a domain that is periodic in z",
-                     table);
-  return PART_OK;
-}
-
 static void set_shape(dem_t *dem) {
   dem_shape *shape = &dem->shape;
   shape->flat = dem->params.dimensions == 2;
@@ -57,7 +37,8 @@ int dem_create(MPI_Comm comm, const part_box *box, const dem_params *params, dem
     return part_fail(PART_ERR_RANGE,
                      "%s: entry rampFluidDensity must be given and positive with rampTime %g s",
                      dem_params_table.name, params->ramp_time);
-  PART_TRY(check_shape(box, params));
+  PART_TRY(part_box_check_dimensions(box, dem_params_table.name, params->dimensions, params->depth,
+                                     params->gravity));
   PART_TRY(dem_allocate(1, sizeof *dem, &dem));
   dem->params = *params;
   dem->comm = MPI_COMM_NULL;

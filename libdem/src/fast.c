@@ -127,7 +127,7 @@ void dem_fast_step(dem_t *dem, double t, double h, double *way) {
       kick[c] = h * g[c];
     }
     kick[3] = 0.0;
-    dem_sum_add(&dem->gravity_impulse, g, dem->mass_of[m] * h);
+    part_sum_add(&dem->gravity_impulse, g, dem->mass_of[m] * h);
   }
   run_chunks(dem, h, &motion);
   *way = h * sqrt(motion.most[0] + motion.most[1] + motion.most[2]);

@@ -21,7 +21,7 @@
 #pragma GCC optimize("fp-contract=fast", "no-trapping-math")
 #endif
 
-#define DEM_WIDTH 8
+#define PART_WIDTH 8
 #include "fast_kernel.h"
 
 #if defined(__clang__)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The kernels of fast.h, written once and included by one file for each DEM_WIDTH. */
+/* The kernels of fast.h, written once and included by one file for each PART_WIDTH. */
 #include <string.h>
 
 #include "fast.h"
@@ -37,8 +37,8 @@ INLINE constants constants_of(const dem_lanes *in, int equal) {
 /* Components of the position record of a block: x_i - x_j and r_i + r_j. */
 INLINE vec separation(const double *xr, const unsigned *i, const unsigned *j, vec d[4]) {
   const quad sign = {-1.0, -1.0, -1.0, 1.0};
-  quad r[DEM_WIDTH];
-  for (int k = 0; k < DEM_WIDTH; k++)
+  quad r[PART_WIDTH];
+  for (int k = 0; k < PART_WIDTH; k++)
     r[k] = *quad_at(xr, i[k]) + sign * *quad_at(xr, j[k]);
   to_lanes_4(r, d);
   return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
@@ -53,8 +53,8 @@ INLINE dem_lane_coefs coefs_of(const constants *in, vec pair, vec_mask touches) 
   if (in->materials == 1.0)
     return in->coefs;
   const vec number = vec_keep(touches, pair);
-  _Alignas(64) double part[7][DEM_WIDTH];
-  for (int k = 0; k < DEM_WIDTH; k++) {
+  _Alignas(64) double part[7][PART_WIDTH];
+  for (int k = 0; k < PART_WIDTH; k++) {
     const dem_coefs *one = &in->table[(int)number[k]];
     part[0][k] = one->k_n;
     part[1][k] = one->k_t;
@@ -71,9 +71,9 @@ INLINE dem_lane_coefs coefs_of(const constants *in, vec pair, vec_mask touches) 
 /* omega_i - omega_j from u_i + u_j, and the two radii. */
 INLINE void relative_spin(const constants *in, const unsigned *j, const vec sum[3], vec r_i,
                           vec r_j, vec spin[3]) {
-  quad u[DEM_WIDTH];
+  quad u[PART_WIDTH];
   vec u_j[4];
-  for (int k = 0; k < DEM_WIDTH; k++)
+  for (int k = 0; k < PART_WIDTH; k++)
     u[k] = ((const quad *)record_at(in->vm, j[k]))[1];
   to_lanes_4(u, u_j);
   for (int c = 0; c < 3; c++)
@@ -82,7 +82,7 @@ INLINE void relative_spin(const constants *in, const unsigned *j, const vec sum[
 
 INLINE vec partner_radius(const constants *in, const unsigned *j) {
   vec r = vec_all(0.0);
-  for (int k = 0; k < DEM_WIDTH; k++)
+  for (int k = 0; k < PART_WIDTH; k++)
     r[k] = (*quad_at(in->xr, j[k]))[3];
   return r;
 }
@@ -189,14 +189,14 @@ INLINE void scatter(const constants *in, const unsigned *i, const unsigned *j, p
 
 /* Records of the partners of a later block. */
 INLINE void fetch(const constants *in, const unsigned *j) {
-  for (int k = 0; k < DEM_WIDTH; k++) {
+  for (int k = 0; k < PART_WIDTH; k++) {
     __builtin_prefetch(quad_at(in->xr, j[k]), 0);
     __builtin_prefetch(record_at(in->vm, j[k]), 0);
     __builtin_prefetch(record_at(in->ft, j[k]), 1);
   }
 }
 
-enum { BLOCKS = DEM_BLOCK_PAIRS / DEM_WIDTH };
+enum { BLOCKS = DEM_BLOCK_PAIRS / PART_WIDTH };
 
 /* Pairs from .. to-1. The stages of 8 pairs one after the other, so that narrow vectors have two
  * blocks of which neither waits for the other (AVX2, bed: 27 to 19 ns a particle). */
@@ -206,22 +206,22 @@ INLINE void dense_loop(const dem_lanes *in, int from, int to, dem_law_function *
   geometry g[BLOCKS];
   push p[BLOCKS];
   for (int first = from; first < to; first += DEM_BLOCK_PAIRS) {
-    const int blocks = to - first < DEM_BLOCK_PAIRS ? (to - first) / DEM_WIDTH : BLOCKS;
+    const int blocks = to - first < DEM_BLOCK_PAIRS ? (to - first) / PART_WIDTH : BLOCKS;
     for (int b = 0; b < blocks; b++) {
-      const int k = first + b * DEM_WIDTH;
+      const int k = first + b * PART_WIDTH;
       if (k < in->fetch_to)
         fetch(&c, in->j + k + DEM_FETCH_AHEAD);
       measure(&c, in->i + k, in->j + k, equal, &g[b]);
     }
     for (int b = 0; b < blocks; b++) {
-      const int k = first + b * DEM_WIDTH;
+      const int k = first + b * PART_WIDTH;
       double *history[DEM_HISTORY];
       for (int w = 0; w < DEM_HISTORY_WIDTH(parts); w++)
         history[w] = in->history[w] + k;
       push_of(&c, in->i + k, in->j + k, &g[b], history, law, parts, equal, &p[b]);
     }
     for (int b = 0; b < blocks; b++) {
-      const int k = first + b * DEM_WIDTH;
+      const int k = first + b * PART_WIDTH;
       scatter(&c, in->i + k, in->j + k, &p[b], g[b].touches, parts);
     }
   }
@@ -237,7 +237,7 @@ INLINE void run_dense(const dem_lanes *in, int from, int to, dem_law_function *l
 /* Bits of the 8 pairs from k that touch. */
 INLINE unsigned touching_8(const dem_lanes *in, int k) {
   unsigned bits = 0;
-  for (int m = 0; m < DEM_BLOCK_PAIRS; m += DEM_WIDTH) {
+  for (int m = 0; m < DEM_BLOCK_PAIRS; m += PART_WIDTH) {
     vec d[4];
     const vec d2 = separation(in->xr, in->i + k + m, in->j + k + m, d);
     bits |= vec_bits(touching(d2, d[3])) << m;
@@ -277,7 +277,7 @@ INLINE void run_sparse(const dem_lanes *in, int from, int to, dem_pairs_kernel r
     for (int c = 0; c < width; c++)
       p.history[c][k] = in->history[c][p.from[k]];
   }
-  for (int k = p.count; k % DEM_WIDTH != 0; k++) {
+  for (int k = p.count; k % PART_WIDTH != 0; k++) {
     p.i[k] = p.j[k] = 0;
     for (int c = 0; c < width; c++)
       p.history[c][k] = 0.0;
@@ -288,7 +288,7 @@ INLINE void run_sparse(const dem_lanes *in, int from, int to, dem_pairs_kernel r
   packed_lanes.fetch_to = 0;
   for (int c = 0; c < width; c++)
     packed_lanes.history[c] = p.history[c];
-  run(&packed_lanes, 0, (p.count + DEM_WIDTH - 1) / DEM_WIDTH * DEM_WIDTH);
+  run(&packed_lanes, 0, (p.count + PART_WIDTH - 1) / PART_WIDTH * PART_WIDTH);
   for (int k = 0; k < p.count; k++)
     for (int c = 0; c < width; c++)
       in->history[c][p.from[k]] = p.history[c][k];
@@ -351,4 +351,4 @@ static const dem_pairs_kernel sparse[DEM_LAW_COUNT][DEM_PARTS] = {
 #undef DEM_VARIANT
 #undef DEM_LAW
 
-static const dem_kernels kernels = {DEM_WIDTH, dense, sparse, move};
+static const dem_kernels kernels = {PART_WIDTH, dense, sparse, move};

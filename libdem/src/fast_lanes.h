@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Records of DEM_WIDTH pairs to one vector per component, and back. A record of 8 is the pair of
+/* Records of PART_WIDTH pairs to one vector per component, and back. A record of 8 is the pair of
  * its halves where vectors hold 4. */
 #ifndef DEM_FAST_LANES_H
 #define DEM_FAST_LANES_H
 
-#include "vec.h"
+#include "particle/lanes.h"
 
 #define SHUFFLE __builtin_shufflevector
 
@@ -13,7 +13,7 @@
 #define quad_at(base, place) ((quad *)((char *)(base) + 4 * (size_t)(place)))
 #define record_at(base, place) ((vec *)((char *)(base) + 8 * (size_t)(place)))
 
-#if DEM_WIDTH == 8
+#if PART_WIDTH == 8
 
 /* [8 records][4] -> [4][8 lanes]. */
 static inline void to_lanes_4(const quad r[8], vec v[4]) {

@@ -116,7 +116,7 @@ static void set_gravity(dem_t *dem, double t, double h, double *gravity) {
     const double factor = dem_gravity_factor(dem, m, t, h);
     for (int c = 0; c < 3; c++)
       gravity[3 * m + c] = factor * dem->params.gravity[c];
-    dem_sum_add(&dem->gravity_impulse, &gravity[3 * m], dem->mass_of[m] * h);
+    part_sum_add(&dem->gravity_impulse, &gravity[3 * m], dem->mass_of[m] * h);
   }
 }
 

@@ -16,7 +16,7 @@
 #include "law.h"
 #include "lubrication.h"
 #include "particle/neighbours.h"
-#include "sum.h"
+#include "particle/sum.h"
 #include "walls.h"
 #include "wear.h"
 
@@ -156,7 +156,7 @@ struct dem_t {
   double travel;            /* m, bound of the largest displacement of any particle since then */
 
   double wall_force[3], support_force[3]; /* N, on own movable particles, now */
-  dem_sum wall_impulse, support_impulse, gravity_impulse, fluid_impulse;
+  part_sum wall_impulse, support_impulse, gravity_impulse, fluid_impulse;
   double initial_momentum[3]; /* of the own share; the sum over ranks counts */
   long long generation, substeps, rebuilds;
   dem_load load;

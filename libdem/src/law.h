@@ -6,7 +6,7 @@
 
 #include <math.h>
 #include "dem/dem.h"
-#include "vec.h"
+#include "particle/lanes.h"
 
 /* Parts of a contact that a scene may do without; rolling needs sliding. Loops are stamped for the
  * six combinations. */
@@ -113,7 +113,7 @@ typedef struct dem_edge {
 } dem_edge;
 
 /* way (m): of one step, with the velocity of the end that is near. */
-DEM_LANES dem_edge dem_edge_of(const dem_touch *touch, vec way) {
+PART_LANES dem_edge dem_edge_of(const dem_touch *touch, vec way) {
   dem_edge edge;
   edge.at = vec_both(touch->touches, vec_less(touch->overlap, way + way));
   edge.s = touch->overlap / way;
@@ -125,7 +125,7 @@ DEM_LANES dem_edge dem_edge_of(const dem_touch *touch, vec way) {
  * the part of a force that goes with some power of the overlap: s T(0) and, with its own s,
  * T(s - 1) - (s - 1) T(0). They vanish where the contact does and are continuous. total: T(s - 1);
  * start: T(0). Of a constant, T(s) = s + 3/2. */
-DEM_LANES vec dem_edge_weights(const dem_edge *edge, vec total, double start) {
+PART_LANES vec dem_edge_weights(const dem_edge *edge, vec total, double start) {
   return vec_choose(edge->first, edge->s * vec_all(start),
                     total - (edge->s - vec_all(1.0)) * vec_all(start));
 }

@@ -75,7 +75,7 @@ static inline double dem_laws_time(const dem_coefs *coefs, double inverse_mass, 
   }
 }
 
-#if DEM_WIDTH == 1
+#if PART_WIDTH == 1
 static inline dem_lane_coefs dem_lane_coefs_of(const dem_coefs *coefs) {
   return (dem_lane_coefs){coefs->k_n, coefs->k_t,     coefs->c_n,  coefs->c_t,
                           coefs->mu,  coefs->mu_roll, coefs->pull, coefs->tangential_mass};

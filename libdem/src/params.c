@@ -33,68 +33,50 @@ static const char *const dem_wall_sides[] = {"inside", "outside", NULL};
 static const char *const dem_kinds[] = {"free", "fixed", "block", "clump", NULL};
 static const char *const dem_orientations[] = {"random", "asInFile", NULL};
 
-#define DEM_DIMS(kg, m, s)                                                                         \
-  { kg, m, s, 0, 0, 0, 0 }
-#define DEM_THREE(a, b, c)                                                                         \
-  { a, b, c }
-#define DEM_PARAM(key, type, member, dims, required, def, low, high, low_open, high_open, choices, \
-                  word, meaning)                                                                   \
-  {key,                                                                                            \
-   PART_PARAM_##type,                                                                              \
-   offsetof(struct DEM_STRUCT, member),                                                            \
-   dims,                                                                                           \
-   required,                                                                                       \
-   def,                                                                                            \
-   low,                                                                                            \
-   high,                                                                                           \
-   low_open,                                                                                       \
-   high_open,                                                                                      \
-   choices,                                                                                        \
-   word,                                                                                           \
-   meaning},
+#define DEM_DIMS PART_PARAM_DIMS
+#define DEM_THREE PART_PARAM_THREE
+#define DEM_PARAM PART_PARAM_ROW
 
 static const part_param params_rows[] = {
-#define DEM_STRUCT dem_params
+#define PART_PARAM_STRUCT dem_params
 #include "dem/main_params.def"
-#undef DEM_STRUCT
+#undef PART_PARAM_STRUCT
 };
 static const part_param material_rows[] = {
-#define DEM_STRUCT dem_material
+#define PART_PARAM_STRUCT dem_material
 #include "dem/material_params.def"
-#undef DEM_STRUCT
+#undef PART_PARAM_STRUCT
 };
 static const part_param contact_rows[] = {
-#define DEM_STRUCT dem_contact
+#define PART_PARAM_STRUCT dem_contact
 #include "dem/contact_params.def"
-#undef DEM_STRUCT
+#undef PART_PARAM_STRUCT
 };
 static const part_param bond_rows[] = {
-#define DEM_STRUCT dem_bond
+#define PART_PARAM_STRUCT dem_bond
 #include "dem/bond_params.def"
-#undef DEM_STRUCT
+#undef PART_PARAM_STRUCT
 };
 static const part_param lubrication_rows[] = {
-#define DEM_STRUCT dem_lubrication
+#define PART_PARAM_STRUCT dem_lubrication
 #include "dem/lubrication_params.def"
-#undef DEM_STRUCT
+#undef PART_PARAM_STRUCT
 };
 static const part_param insert_rows[] = {
-#define DEM_STRUCT dem_insert
+#define PART_PARAM_STRUCT dem_insert
 #include "dem/insert_params.def"
-#undef DEM_STRUCT
+#undef PART_PARAM_STRUCT
 };
 static const part_param wall_rows[] = {
-#define DEM_STRUCT dem_wall_params
+#define PART_PARAM_STRUCT dem_wall_params
 #include "dem/wall_params.def"
-#undef DEM_STRUCT
+#undef PART_PARAM_STRUCT
 };
 
-#define DEM_TABLE(name, rows)                                                                      \
-  { name, (int)(sizeof rows / sizeof rows[0]), rows }
-const part_param_table dem_params_table = DEM_TABLE("demProperties", params_rows);
-const part_param_table dem_material_table = DEM_TABLE("material", material_rows);
-const part_param_table dem_contact_table = DEM_TABLE("contact", contact_rows);
-const part_param_table dem_bond_table = DEM_TABLE("bond", bond_rows);
-const part_param_table dem_lubrication_table = DEM_TABLE("lubrication", lubrication_rows);
-const part_param_table dem_insert_table = DEM_TABLE("insert", insert_rows);
-const part_param_table dem_wall_table = DEM_TABLE("wall", wall_rows);
+const part_param_table dem_params_table = PART_PARAM_TABLE("demProperties", params_rows);
+const part_param_table dem_material_table = PART_PARAM_TABLE("material", material_rows);
+const part_param_table dem_contact_table = PART_PARAM_TABLE("contact", contact_rows);
+const part_param_table dem_bond_table = PART_PARAM_TABLE("bond", bond_rows);
+const part_param_table dem_lubrication_table = PART_PARAM_TABLE("lubrication", lubrication_rows);
+const part_param_table dem_insert_table = PART_PARAM_TABLE("insert", insert_rows);
+const part_param_table dem_wall_table = PART_PARAM_TABLE("wall", wall_rows);

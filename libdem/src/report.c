@@ -85,10 +85,10 @@ static int64_t wall_contacts(const dem_t *dem, double *most) {
 static int budget(const dem_t *dem, dem_report *report) {
   double sums[19], *initial = sums + 15, scale, error = 0.0;
   dem_own_momentum(dem, sums, &sums[18]);
-  dem_sum_total(&dem->gravity_impulse, sums + 3);
-  dem_sum_total(&dem->fluid_impulse, sums + 6);
-  dem_sum_total(&dem->wall_impulse, sums + 9);
-  dem_sum_total(&dem->support_impulse, sums + 12);
+  part_sum_total(&dem->gravity_impulse, sums + 3);
+  part_sum_total(&dem->fluid_impulse, sums + 6);
+  part_sum_total(&dem->wall_impulse, sums + 9);
+  part_sum_total(&dem->support_impulse, sums + 12);
   memcpy(initial, dem->initial_momentum, 3 * sizeof(double));
   PART_TRY(dem_rank_sum(dem, 19, sums));
   scale = sums[18];

@@ -26,13 +26,13 @@ static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
   memcpy(value, packed, sizeof packed);
 }
 
-static void pack_sum(const dem_sum *sum, double **to) {
+static void pack_sum(const part_sum *sum, double **to) {
   memcpy(*to, sum->value, sizeof sum->value);
   memcpy(*to + 3, sum->lost, sizeof sum->lost);
   *to += 6;
 }
 
-static void unpack_sum(dem_sum *sum, const double **from) {
+static void unpack_sum(part_sum *sum, const double **from) {
   for (int c = 0; c < 3; c++) {
     sum->value[c] += (*from)[c];
     sum->lost[c] += (*from)[3 + c];

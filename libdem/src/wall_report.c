@@ -15,14 +15,14 @@ void dem_walls_no_force(dem_t *dem) {
 void dem_walls_add_impulse(dem_t *dem, double h) {
   for (int w = 0; w < dem->walls.count; w++) {
     dem_wall *wall = &dem->walls.wall[w];
-    dem_sum_add(&wall->impulse, wall->force, h);
-    dem_sum_add(&wall->spin_impulse, wall->torque, h);
+    part_sum_add(&wall->impulse, wall->force, h);
+    part_sum_add(&wall->spin_impulse, wall->torque, h);
     if (!wall->moves)
       continue;
     double work[3] = {0.0, 0.0, 0.0};
     for (int c = 0; c < 3; c++)
       work[0] -= wall->force[c] * wall->pose.drift[c] + wall->torque[c] * wall->spin[c];
-    dem_sum_add(&wall->work, work, h);
+    part_sum_add(&wall->work, work, h);
   }
 }
 
@@ -37,9 +37,9 @@ int dem_get_wall_report(dem_t *dem, int number, dem_wall_report *report) {
   double work[3];
   memcpy(sums, wall->force, 3 * sizeof(double));
   memcpy(sums + 3, wall->torque, 3 * sizeof(double));
-  dem_sum_total(&wall->impulse, sums + 6);
-  dem_sum_total(&wall->spin_impulse, sums + 9);
-  dem_sum_total(&wall->work, work);
+  part_sum_total(&wall->impulse, sums + 6);
+  part_sum_total(&wall->spin_impulse, sums + 9);
+  part_sum_total(&wall->work, work);
   sums[12] = work[0];
   PART_TRY(dem_rank_sum(dem, 13, sums));
   memset(report, 0, sizeof *report);
@@ -58,13 +58,13 @@ int dem_get_wall_report(dem_t *dem, int number, dem_wall_report *report) {
   return PART_OK;
 }
 
-static double *pack_sum(const dem_sum *sum, double *to) {
+static double *pack_sum(const part_sum *sum, double *to) {
   memcpy(to, sum->value, sizeof sum->value);
   memcpy(to + 3, sum->lost, sizeof sum->lost);
   return to + 6;
 }
 
-static const double *unpack_sum(dem_sum *sum, const double *from) {
+static const double *unpack_sum(part_sum *sum, const double *from) {
   for (int c = 0; c < 3; c++) {
     sum->value[c] += from[c];
     sum->lost[c] += from[3 + c];

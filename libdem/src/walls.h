@@ -15,7 +15,7 @@
 #include <stdint.h>
 
 #include "dem/dem.h"
-#include "sum.h"
+#include "particle/sum.h"
 
 enum { DEM_SHIFTS = 27, DEM_NO_SHIFT = 13 };
 enum dem_element_shape { DEM_SHAPE_PLANE, DEM_SHAPE_CYLINDER, DEM_SHAPE_TRIANGLE };
@@ -39,7 +39,7 @@ typedef struct dem_wall {
   double wrap[3];         /* m, whole periods taken off the shift when the lists were built */
   dem_pose pose, listed;  /* now; when the lists were built */
   double force[3], torque[3];          /* on the wall, by own particles, now */
-  dem_sum impulse, spin_impulse, work; /* of them since the start; work: first component */
+  part_sum impulse, spin_impulse, work; /* of them since the start; work: first component */
 } dem_wall;
 
 typedef struct dem_element {

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Periodic boxes: wrapping and shortest differences. */
+/* Periodic boxes: wrapping and shortest differences; boxes in two dimensions. */
 #include "particle/domain.h"
 
 #include <limits.h>
 #include <math.h>
+#include "particle/status.h"
 
 void part_box_wrap(const part_box *box, double x[3], int image[3]) {
   for (int d = 0; d < 3; d++) {
@@ -33,4 +34,24 @@ void part_box_difference(const part_box *box, const double a[3], const double b[
       d[k] -= length * nearbyint(d[k] / length);
     }
   }
+}
+
+int part_box_check_dimensions(const part_box *box, const char *table, int64_t dimensions,
+                              double depth, const double gravity[3]) {
+  if (dimensions == 3 && depth > 0.0)
+    return part_fail(PART_ERR_RANGE, "%s: entry depth is not allowed with dimensions 3", table);
+  if (dimensions == 3)
+    return PART_OK;
+  if (!(depth > 0.0))
+    return part_fail(PART_ERR_RANGE, "%s: entry depth must be given and positive with dimensions 2",
+                     table);
+  if (gravity[2] != 0.0)
+    return part_fail(PART_ERR_RANGE,
+                     "%s: entry gravity: its z component is %g m/s^2; must be 0 with dimensions 2",
+                     table, gravity[2]);
+  if (box->periodic[2])
+    return part_fail(PART_ERR_RANGE,
+                     "%s: entry dimensions: 2 is not allowed in a domain that is periodic in z",
+                     table);
+  return PART_OK;
 }

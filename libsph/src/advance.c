@@ -22,9 +22,9 @@ static void kick(sph_t *sph, double h) {
       }
     }
   }
-  sph_sum_add(&sph->gravity_impulse, g, sph->own_mass * h);
-  sph_sum_add(&sph->force_impulse, force, h);
-  sph_sum_add(&sph->wall_impulse, sph->wall_force, h);
+  part_sum_add(&sph->gravity_impulse, g, sph->own_mass * h);
+  part_sum_add(&sph->force_impulse, force, h);
+  part_sum_add(&sph->wall_impulse, sph->wall_force, h);
   sph_walls_add_impulse(sph, h);
 }
 

@@ -11,7 +11,7 @@
 #include "pair_loops.h"
 #include "particle/neighbours.h"
 #include "sph/sph.h"
-#include "sum.h"
+#include "particle/sum.h"
 #include "walls.h"
 
 enum { SPH_MASS = 4, SPH_RATE = 4, SPH_FORCE = 8, SPH_META = 2 }; /* widths of records */
@@ -84,7 +84,7 @@ struct sph_t {
   double travel;        /* m, bound of the way of any particle since the lists were built */
   double wall_force[3]; /* N, on own particles now */
   double own_mass;      /* kg */
-  sph_sum gravity_impulse, wall_impulse, force_impulse;
+  part_sum gravity_impulse, wall_impulse, force_impulse;
   double initial_momentum[3];
   long long generation, steps, rebuilds;
   double imbalance;

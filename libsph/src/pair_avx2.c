@@ -19,7 +19,7 @@
 #pragma GCC optimize("fp-contract=fast", "no-trapping-math")
 #endif
 
-#define SPH_WIDTH 4
+#define PART_WIDTH 4
 #include "pair_kernel.h"
 
 #if defined(__clang__)

@@ -20,7 +20,7 @@
 #pragma GCC optimize("fp-contract=fast", "no-trapping-math")
 #endif
 
-#define SPH_WIDTH 8
+#define PART_WIDTH 8
 #include "pair_kernel.h"
 
 #if defined(__clang__)

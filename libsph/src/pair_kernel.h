@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The loops of pair_loops.h, written once and included by one file for each SPH_WIDTH. */
+/* The loops of pair_loops.h, written once and included by one file for each PART_WIDTH. */
 #include "kernels.h"
+#include "load.h"
 #include "pair_loops.h"
 
 typedef vec (*sph_kernel_function)(vec q);
@@ -11,7 +12,7 @@ typedef struct row {
   int k, end;
 } row;
 
-SPH_LANES row take_row(const sph_lanes *in, int i) {
+PART_LANES row take_row(const sph_lanes *in, int i) {
   const double *a = in->xv + SPH_XV * (size_t)i;
   row r = {.k = in->start[i], .end = in->start[i + 1]};
   for (int c = 0; c < 3; c++) {
@@ -24,7 +25,7 @@ SPH_LANES row take_row(const sph_lanes *in, int i) {
 }
 
 /* x_i - x_j and v_i - v_j of a block of partners, whose records are b. Returns |x_i - x_j|^2. */
-SPH_LANES vec separate(const row *r, const vec b[8], vec d[3], vec u[3]) {
+PART_LANES vec separate(const row *r, const vec b[8], vec d[3], vec u[3]) {
   for (int c = 0; c < 3; c++) {
     d[c] = r->x[c] - b[c];
     u[c] = r->v[c] - b[4 + c];
@@ -33,7 +34,7 @@ SPH_LANES vec separate(const row *r, const vec b[8], vec d[3], vec u[3]) {
 }
 
 /* S.4, S.5, S.6, S.11. */
-SPH_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
+PART_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
                             sph_kernel_function shape, sph_kernel_function slope) {
   const vec per_h = vec_all(1.0 / in->h), norm = vec_all(in->norm);
   const vec slope_norm = vec_all(in->norm / (in->h * in->h));
@@ -44,7 +45,7 @@ SPH_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
     vec s[6];
     for (int c = 0; c < 6; c++)
       s[c] = vec_all(0.0);
-    for (; r.k < r.end; r.k += SPH_WIDTH) {
+    for (; r.k < r.end; r.k += PART_WIDTH) {
       vec b[8], d[3], u[3];
       vec_load_8(in->xv, in->partner + r.k, b);
       const vec d2 = separate(&r, b, d, u), q = vec_sqrt(d2) * per_h;
@@ -69,7 +70,7 @@ SPH_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
 }
 
 /* Force of a block over V_i V_j slope, along d: S.7, S.9, S.10; and S.8 along u. */
-SPH_LANES void force_of(const sph_lanes *in, const vec d[3], const vec u[3], vec d2, vec pressure,
+PART_LANES void force_of(const sph_lanes *in, const vec d[3], const vec u[3], vec d2, vec pressure,
                         vec eps, vec *along_d, vec *along_u) {
   *along_d = -pressure;
   *along_u = 2.0 * in->viscosity * eps;
@@ -86,7 +87,7 @@ SPH_LANES void force_of(const sph_lanes *in, const vec d[3], const vec u[3], vec
 }
 
 /* What S.20 and S.21 add to p_i + p_j. */
-SPH_LANES vec repulsion(const sph_lanes *in, vec p, vec b, vec shape) {
+PART_LANES vec repulsion(const sph_lanes *in, vec p, vec b, vec shape) {
   const vec zero = vec_all(0.0), f = shape * vec_all(in->per_shape), both = p + b;
   const vec pull = -(vec_min(p, zero) + vec_min(b, zero));
   const vec push = vec_keep(vec_less(zero, vec_min(p, b)), vec_all(0.05) * both);
@@ -94,14 +95,14 @@ SPH_LANES vec repulsion(const sph_lanes *in, vec p, vec b, vec shape) {
   return r * (f * f) * (f * f);
 }
 
-SPH_LANES void force_loop(const sph_lanes *in, int from, int to, double *sum,
+PART_LANES void force_loop(const sph_lanes *in, int from, int to, double *sum,
                           sph_kernel_function shape, sph_kernel_function slope) {
   const int repel = in->repulsion > 0.0 || in->anti_clump > 0.0;
   const vec per_h = vec_all(1.0 / in->h), slope_norm = vec_all(in->norm / (in->h * in->h));
   for (int i = from; i < to; i++) {
     row r = take_row(in, i);
     vec s[3] = {vec_all(0.0), vec_all(0.0), vec_all(0.0)};
-    for (; r.k < r.end; r.k += SPH_WIDTH) {
+    for (; r.k < r.end; r.k += PART_WIDTH) {
       vec b[8], d[3], u[3], along_d, along_u, eps = r.eps;
       vec_load_8(in->xv, in->partner + r.k, b);
       const vec d2 = separate(&r, b, d, u), q = vec_sqrt(d2) * per_h;
@@ -121,7 +122,7 @@ SPH_LANES void force_loop(const sph_lanes *in, int from, int to, double *sum,
 }
 
 /* S.19. */
-SPH_LANES void shift_loop(const sph_lanes *in, int from, int to, double *sum,
+PART_LANES void shift_loop(const sph_lanes *in, int from, int to, double *sum,
                           sph_kernel_function slope) {
   const vec per_h = vec_all(1.0 / in->h), slope_norm = vec_all(in->norm / (in->h * in->h));
   for (int i = from; i < to; i++) {
@@ -129,7 +130,7 @@ SPH_LANES void shift_loop(const sph_lanes *in, int from, int to, double *sum,
     vec s[7];
     for (int c = 0; c < 7; c++)
       s[c] = vec_all(0.0);
-    for (; r.k < r.end; r.k += SPH_WIDTH) {
+    for (; r.k < r.end; r.k += PART_WIDTH) {
       vec b[8], d[3], u[3];
       vec_load_8(in->xv, in->partner + r.k, b);
       const vec d2 = separate(&r, b, d, u), q = vec_sqrt(d2) * per_h;
@@ -158,7 +159,7 @@ SPH_LANES void shift_loop(const sph_lanes *in, int from, int to, double *sum,
 #include "sph/kernels.def"
 #undef SPH_KERNEL
 
-static const sph_loops loops = {SPH_WIDTH,
+static const sph_loops loops = {PART_WIDTH,
                                 {
 #define SPH_KERNEL(name, key, support, meaning) density_##name,
 #include "sph/kernels.def"

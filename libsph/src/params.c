@@ -33,44 +33,26 @@ static const char *const sph_time_schemes[] = {"symplectic", "predictorCorrector
 static const char *const sph_wall_types[] = {"plane", "triangles", NULL};
 static const char *const sph_wall_slips[] = {"noSlip", "freeSlip", NULL};
 
-#define SPH_DIMS(kg, m, s)                                                                         \
-  { kg, m, s, 0, 0, 0, 0 }
-#define SPH_THREE(a, b, c)                                                                         \
-  { a, b, c }
-#define SPH_PARAM(key, type, member, dims, required, def, low, high, low_open, high_open, choices, \
-                  word, meaning)                                                                   \
-  {key,                                                                                            \
-   PART_PARAM_##type,                                                                              \
-   offsetof(struct SPH_STRUCT, member),                                                            \
-   dims,                                                                                           \
-   required,                                                                                       \
-   def,                                                                                            \
-   low,                                                                                            \
-   high,                                                                                           \
-   low_open,                                                                                       \
-   high_open,                                                                                      \
-   choices,                                                                                        \
-   word,                                                                                           \
-   meaning},
+#define SPH_DIMS PART_PARAM_DIMS
+#define SPH_THREE PART_PARAM_THREE
+#define SPH_PARAM PART_PARAM_ROW
 
 static const part_param params_rows[] = {
-#define SPH_STRUCT sph_params
+#define PART_PARAM_STRUCT sph_params
 #include "sph/main_params.def"
-#undef SPH_STRUCT
+#undef PART_PARAM_STRUCT
 };
 static const part_param insert_rows[] = {
-#define SPH_STRUCT sph_insert
+#define PART_PARAM_STRUCT sph_insert
 #include "sph/insert_params.def"
-#undef SPH_STRUCT
+#undef PART_PARAM_STRUCT
 };
 static const part_param wall_rows[] = {
-#define SPH_STRUCT sph_wall_params
+#define PART_PARAM_STRUCT sph_wall_params
 #include "sph/wall_params.def"
-#undef SPH_STRUCT
+#undef PART_PARAM_STRUCT
 };
 
-#define SPH_TABLE(name, rows)                                                                      \
-  { name, (int)(sizeof rows / sizeof rows[0]), rows }
-const part_param_table sph_params_table = SPH_TABLE("sphProperties", params_rows);
-const part_param_table sph_insert_table = SPH_TABLE("fill", insert_rows);
-const part_param_table sph_wall_table = SPH_TABLE("wall", wall_rows);
+const part_param_table sph_params_table = PART_PARAM_TABLE("sphProperties", params_rows);
+const part_param_table sph_insert_table = PART_PARAM_TABLE("fill", insert_rows);
+const part_param_table sph_wall_table = PART_PARAM_TABLE("wall", wall_rows);

@@ -36,9 +36,9 @@ void sph_own_momentum(const sph_t *sph, double momentum[3], double *size) {
 static int budget(const sph_t *sph, sph_report *report) {
   double sums[16], *initial = sums + 12, error = 0.0;
   sph_own_momentum(sph, sums, &sums[15]);
-  sph_sum_total(&sph->gravity_impulse, sums + 3);
-  sph_sum_total(&sph->wall_impulse, sums + 6);
-  sph_sum_total(&sph->force_impulse, sums + 9);
+  part_sum_total(&sph->gravity_impulse, sums + 3);
+  part_sum_total(&sph->wall_impulse, sums + 6);
+  part_sum_total(&sph->force_impulse, sums + 9);
   memcpy(initial, sph->initial_momentum, 3 * sizeof(double));
   PART_TRY(sph_rank_sum(sph, 16, sums));
   double scale = sums[15];
@@ -100,7 +100,7 @@ int sph_get_wall_force(sph_t *sph, int wall, double force[3], double impulse[3])
   if (wall < 0 || wall >= sph->walls.count)
     return part_fail(PART_ERR_RANGE, "there is no wall %d", wall);
   memcpy(sums, sph->walls.wall[wall].force, 3 * sizeof(double));
-  sph_sum_total(&sph->walls.wall[wall].impulse, sums + 3);
+  part_sum_total(&sph->walls.wall[wall].impulse, sums + 3);
   PART_TRY(sph_rank_sum(sph, 6, sums));
   memcpy(force, sums, 3 * sizeof(double));
   memcpy(impulse, sums + 3, 3 * sizeof(double));

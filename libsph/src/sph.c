@@ -20,26 +20,6 @@ static int create_parts(sph_t *sph, MPI_Comm comm, const part_box *box) {
   return PART_OK;
 }
 
-static int check_shape(const part_box *box, const sph_params *params) {
-  const char *table = sph_params_table.name;
-  if (params->dimensions == 3 && params->depth > 0.0)
-    return part_fail(PART_ERR_RANGE, "%s: entry depth is not allowed with dimensions 3", table);
-  if (params->dimensions == 3)
-    return PART_OK;
-  if (!(params->depth > 0.0))
-    return part_fail(PART_ERR_RANGE, "%s: entry depth must be given and positive with dimensions 2",
-                     table);
-  if (params->gravity[2] != 0.0)
-    return part_fail(PART_ERR_RANGE,
-                     "%s: entry gravity: its z component is %g m/s^2; must be 0 with dimensions 2",
-                     table, params->gravity[2]);
-  if (box->periodic[2])
-    return part_fail(PART_ERR_RANGE,
-                     "%s: entry dimensions: 2 is not allowed in a domain that is periodic in z",
-                     table);
-  return PART_OK;
-}
-
 static int check_scheme(const sph_params *p) {
   const char *table = sph_params_table.name;
   const double ratio = p->smoothing_length / p->spacing;
@@ -89,7 +69,8 @@ int sph_create(MPI_Comm comm, const part_box *box, const sph_params *params, sph
   size_t room = 0;
   *result = NULL;
   PART_TRY(part_params_check(&sph_params_table, params));
-  PART_TRY(check_shape(box, params));
+  PART_TRY(part_box_check_dimensions(box, sph_params_table.name, params->dimensions, params->depth,
+                                     params->gravity));
   PART_TRY(check_scheme(params));
   PART_TRY(sph_grow(1, sizeof *sph, &room, &sph));
   sph->params = *params;

@@ -176,7 +176,7 @@ int sph_walls_force(sph_t *sph) {
 
 void sph_walls_add_impulse(sph_t *sph, double h) {
   for (int w = 0; w < sph->walls.count; w++)
-    sph_sum_add(&sph->walls.wall[w].impulse, sph->walls.wall[w].force, h);
+    part_sum_add(&sph->walls.wall[w].impulse, sph->walls.wall[w].force, h);
 }
 
 /* Points have the pressure and eps of the particle: they add to the first and last of the sums of

@@ -7,7 +7,7 @@
 #include <stddef.h>
 
 #include "sph/sph.h"
-#include "sum.h"
+#include "particle/sum.h"
 
 typedef struct sph_face {
   int wall, type;          /* SPH_PLANE, SPH_TRIANGLES */
@@ -19,7 +19,7 @@ typedef struct sph_wall {
   char name[PART_PARAM_WORD_LENGTH];
   sph_wall_params params;
   double force[3]; /* N, of own particles on it, now */
-  sph_sum impulse; /* N s */
+  part_sum impulse; /* N s */
 } sph_wall;
 
 /* Bins of triangles: those within reach of some point of the bin. */

@@ -62,11 +62,11 @@ static inline double dem_law_hertz_mindlin_time(const dem_coefs *coefs, double i
 /* With x = s + 3/2 and its fourth root q: T(s) = -zeta(-1/4, s + 2) and -zeta(-1/2, s + 2) by Euler
  * and Maclaurin: the integral of x^(1/4), x^(1/2) up to x, and what the sum over the steps after it
  * lacks. To 1e-5 for x >= 3/2. */
-DEM_LANES vec dem_hertz_fourth_root(vec x, vec q) {
+PART_LANES vec dem_hertz_fourth_root(vec x, vec q) {
   const vec i = vec_all(1.0) / x;
   return q * (vec_all(0.8) * x + i * (vec_all(7.0 / 5760 * 21 / 64) * i * i - vec_all(1.0 / 96)));
 }
-DEM_LANES vec dem_hertz_square_root(vec x, vec q) {
+PART_LANES vec dem_hertz_square_root(vec x, vec q) {
   const vec i = vec_all(1.0) / x;
   return q * q *
          (vec_all(2.0 / 3.0) * x + i * (vec_all(7.0 / 5760 * 3 / 8) * i * i - vec_all(1.0 / 48)));
@@ -75,7 +75,7 @@ DEM_LANES vec dem_hertz_square_root(vec x, vec q) {
 /* The ends of a contact, as in linear_spring_dashpot, for the powers of the overlap that the parts
  * of the force go with: damping 1/4, the spring in tangential direction at the end 1/2. The normal
  * spring vanishes with 3/2 and needs nothing. */
-DEM_LANES void dem_hertz_edge(const dem_touch *touch, vec h, vec way, vec v_n, vec spring,
+PART_LANES void dem_hertz_edge(const dem_touch *touch, vec h, vec way, vec v_n, vec spring,
                               vec damping, vec lag, vec push, dem_response *r) {
   const dem_edge edge = dem_edge_of(touch, way);
   const vec s = vec_choose(edge.at, edge.s, vec_all(1.0)), one = vec_all(1.0);
@@ -94,7 +94,7 @@ DEM_LANES void dem_hertz_edge(const dem_touch *touch, vec h, vec way, vec v_n, v
   r->k_t = vec_choose(ends, square * r->k_t, r->k_t);
 }
 
-DEM_LANES dem_response dem_law_hertz_mindlin(const dem_lane_coefs *coefs, const dem_touch *touch,
+PART_LANES dem_response dem_law_hertz_mindlin(const dem_lane_coefs *coefs, const dem_touch *touch,
                                              vec v_n, vec push, double dt) {
   const vec h = vec_all(dt), one = vec_all(1.0), half = vec_all(0.5);
   const vec contact = vec_sqrt(touch->radius * touch->overlap), root = vec_sqrt(contact);

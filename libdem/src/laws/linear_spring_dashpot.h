@@ -83,7 +83,7 @@ static inline double dem_law_linear_spring_dashpot_time(const dem_coefs *coefs, 
  * The tangential spring begins with the overlap (weight of the overlap). At the end it is what it
  * is (weight of a constant) but for the way v_t s dt until then, which goes with the overlap. What
  * these differ by from the spring as it is now is in proportion to v_t: `lead`, part of c_t. */
-DEM_LANES dem_response dem_law_linear_spring_dashpot(const dem_lane_coefs *coefs,
+PART_LANES dem_response dem_law_linear_spring_dashpot(const dem_lane_coefs *coefs,
                                                      const dem_touch *touch, vec v_n, vec push,
                                                      double dt) {
   const vec h = vec_all(dt), one = vec_all(1.0), c_n = coefs->c_n * touch->root_mass;

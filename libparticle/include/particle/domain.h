@@ -21,6 +21,10 @@ typedef struct part_box {
   int bounded[3];
 } part_box;
 
+/* Local. Whether the entries dimensions (2 or 3), depth (m) and gravity (m/s2) of the dictionary
+ * `table` fit together and the box: ERR_RANGE names the entry. */
+int part_box_check_dimensions(const part_box *box, const char *table, int64_t dimensions,
+                              double depth, const double gravity[3]);
 /* Bring x into a periodic box; image[3] (may be NULL) gets the shift in box lengths taken off. */
 void part_box_wrap(const part_box *box, double x[3], int image[3]);
 /* Shortest difference a - b over periodic images. */

@@ -46,6 +46,30 @@ typedef struct part_param_table {
   const part_param *rows;
 } part_param_table;
 
+/* For the libraries that state their tables in .def files: a row of the struct PART_PARAM_STRUCT,
+ * which whoever includes the .def sets; see lib<name>/src/params.c. */
+#define PART_PARAM_DIMS(kg, m, s)                                                                  \
+  { kg, m, s, 0, 0, 0, 0 }
+#define PART_PARAM_THREE(a, b, c)                                                                  \
+  { a, b, c }
+#define PART_PARAM_ROW(key, type, member, dims, required, def, low, high, low_open, high_open,     \
+                       choices, word, meaning)                                                     \
+  {key,                                                                                            \
+   PART_PARAM_##type,                                                                              \
+   offsetof(struct PART_PARAM_STRUCT, member),                                                     \
+   dims,                                                                                           \
+   required,                                                                                       \
+   def,                                                                                            \
+   low,                                                                                            \
+   high,                                                                                           \
+   low_open,                                                                                       \
+   high_open,                                                                                      \
+   choices,                                                                                        \
+   word,                                                                                           \
+   meaning},
+#define PART_PARAM_TABLE(name, rows)                                                               \
+  { name, (int)(sizeof rows / sizeof rows[0]), rows }
+
 /* Set every value of the struct to its default; required ones to NaN, INT64_MIN, -1 or "". */
 void part_params_default(const part_param_table *table, void *values);
 

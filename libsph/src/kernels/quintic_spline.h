@@ -3,9 +3,9 @@
 #ifndef SPH_QUINTIC_SPLINE_H
 #define SPH_QUINTIC_SPLINE_H
 
-#include "../vec.h"
+#include "particle/lanes.h"
 
-SPH_LANES vec sph_shape_quintic_spline(vec q) {
+PART_LANES vec sph_shape_quintic_spline(vec q) {
   const vec a = vec_max(3.0 - q, vec_all(0.0)), b = vec_max(2.0 - q, vec_all(0.0)),
             c = vec_max(1.0 - q, vec_all(0.0));
   const vec a2 = a * a, b2 = b * b, c2 = c * c;
@@ -13,7 +13,7 @@ SPH_LANES vec sph_shape_quintic_spline(vec q) {
 }
 /* For q < 1 the polynomial -120 + 120 q^2 - 50 q^3, reached continuously from the outer branches
  * taken at max(q, 1), where they give -5 (2^4 - 6) = -50: without cancellation, without 1/0. */
-SPH_LANES vec sph_slope_quintic_spline(vec q) {
+PART_LANES vec sph_slope_quintic_spline(vec q) {
   const vec far = vec_max(q, vec_all(1.0)), in = vec_min(q, vec_all(1.0));
   const vec a = vec_max(3.0 - far, vec_all(0.0)), b = vec_max(2.0 - far, vec_all(0.0));
   const vec a2 = a * a, b2 = b * b, in2 = in * in;

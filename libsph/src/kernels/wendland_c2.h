@@ -3,13 +3,13 @@
 #ifndef SPH_WENDLAND_C2_H
 #define SPH_WENDLAND_C2_H
 
-#include "../vec.h"
+#include "particle/lanes.h"
 
-SPH_LANES vec sph_shape_wendland_c2(vec q) {
+PART_LANES vec sph_shape_wendland_c2(vec q) {
   const vec a = vec_max(1.0 - 0.5 * q, vec_all(0.0)), a2 = a * a;
   return a2 * a2 * (1.0 + 2.0 * q);
 }
-SPH_LANES vec sph_slope_wendland_c2(vec q) {
+PART_LANES vec sph_slope_wendland_c2(vec q) {
   const vec a = vec_max(1.0 - 0.5 * q, vec_all(0.0));
   return -5.0 * (a * a * a);
 }

@@ -3,13 +3,13 @@
 #ifndef SPH_WENDLAND_C4_H
 #define SPH_WENDLAND_C4_H
 
-#include "../vec.h"
+#include "particle/lanes.h"
 
-SPH_LANES vec sph_shape_wendland_c4(vec q) {
+PART_LANES vec sph_shape_wendland_c4(vec q) {
   const vec s = 0.5 * q, a = vec_max(1.0 - s, vec_all(0.0)), a2 = a * a;
   return a2 * a2 * a2 * (1.0 + s * (6.0 + 35.0 / 3.0 * s));
 }
-SPH_LANES vec sph_slope_wendland_c4(vec q) {
+PART_LANES vec sph_slope_wendland_c4(vec q) {
   const vec s = 0.5 * q, a = vec_max(1.0 - s, vec_all(0.0)), a2 = a * a;
   return -14.0 / 3.0 * (a2 * a2 * a) * (1.0 + 5.0 * s);
 }

@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A sum of many small parts, with the rounding errors carried along (Neumaier). */
-#ifndef SPH_SUM_H
-#define SPH_SUM_H
+#ifndef PARTICLE_SUM_H
+#define PARTICLE_SUM_H
 
 #include <math.h>
 
-typedef struct sph_sum {
+typedef struct part_sum {
   double value[3], lost[3];
-} sph_sum;
+} part_sum;
 
-static inline void sph_sum_add(sph_sum *sum, const double part[3], double factor) {
+static inline void part_sum_add(part_sum *sum, const double part[3], double factor) {
   for (int c = 0; c < 3; c++) {
     const double p = factor * part[c], t = sum->value[c] + p;
     sum->lost[c] +=
@@ -18,7 +18,7 @@ static inline void sph_sum_add(sph_sum *sum, const double part[3], double factor
   }
 }
 
-static inline void sph_sum_total(const sph_sum *sum, double total[3]) {
+static inline void part_sum_total(const part_sum *sum, double total[3]) {
   for (int c = 0; c < 3; c++)
     total[c] = sum->value[c] + sum->lost[c];
 }
