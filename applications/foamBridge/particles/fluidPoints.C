@@ -3,7 +3,7 @@
 
 #include "OSspecific.H"
 #include "Time.H"
-#include "fluidCloud.H"
+#include "lagrangianCloud.H"
 #include "foamMesh.H"
 #include "foamParams.H"
 #include "particleView.H"
@@ -259,7 +259,12 @@ void fluidPoints::write()
   files_.purge();
   checkStatus(sph_write(sph_, files_.present().c_str(), files_.series().c_str()), "fluidPoints::write");
   sph_set_time(sph_, mesh_.time().value()); // that of a restart
-  writeFluidCloud(mesh_, sph_store(sph_), particleCommunicator());
+  const List<cloudColumn> columns
+  ({
+    {"U", SPH_FIELD_VELOCITY, 1}, {"p", SPH_FIELD_PRESSURE, 1}, {"eps", SPH_FIELD_EPS, 1},
+    {"rho", SPH_FIELD_DENSITY, 1} // superficial
+  });
+  writeLagrangianCloud(mesh_, sph_store(sph_), particleCommunicator(), "fluid", columns);
   generation_ = -1; // a restart finds its pairs anew
 }
 

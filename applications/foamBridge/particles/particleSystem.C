@@ -4,7 +4,7 @@
 #include "Time.H"
 #include "foamMesh.H"
 #include "foamParams.H"
-#include "particleCloud.H"
+#include "lagrangianCloud.H"
 #include "wearTables.H"
 
 namespace Foam
@@ -63,7 +63,12 @@ void particleSystem::write()
     dem_write(dem_, files_.present().c_str(), files_.series().c_str()), "particleSystem::write"
   );
   dem_set_time(dem_, mesh_.time().value()); // that of a restart
-  writeParticleCloud(mesh_, dem_store(dem_), particleCommunicator());
+  const List<cloudColumn> columns
+  ({
+    {"U", DEM_FIELD_VELOCITY, 1}, {"omega", DEM_FIELD_ANGULAR_VELOCITY, 1}, {"d", DEM_FIELD_RADIUS, 2},
+    {"kind", DEM_FIELD_KIND, 1}
+  });
+  writeLagrangianCloud(mesh_, dem_store(dem_), particleCommunicator(), "particles", columns);
   writeWear(dem_, mesh_.time());
 }
 
