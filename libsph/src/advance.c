@@ -102,6 +102,7 @@ static int symplectic_step(sph_t *sph, double h) {
   drift(sph, summation ? h : 0.5 * h);
   PART_TRY(sph_refresh_ghosts(sph));
   PART_TRY(part_agree(sph->comm, sph_density_rates(sph)));
+  PART_TRY(sph_make_factors(sph));
   if (sph->plan.shifting)
     PART_TRY(part_agree(sph->comm, sph_shift_sums(sph)));
   if (!summation) {
@@ -164,6 +165,7 @@ static int middle_rates(sph_t *sph, double h) {
   sph_set_states(sph);
   PART_TRY(sph_refresh_ghosts(sph));
   PART_TRY(part_agree(sph->comm, sph_density_rates(sph)));
+  PART_TRY(sph_make_factors(sph));
   if (sph->plan.summation) {
     sph_set_states(sph);
     PART_TRY(sph_refresh_ghosts(sph));

@@ -20,7 +20,7 @@ enum { SPH_MASS = 4, SPH_RATE = 4, SPH_FORCE = 8, SPH_META = 2 }; /* widths of r
 typedef struct sph_plan {
   int walls;     /* there are some */
   int diffusion; /* densityDiffusion > 0 */
-  int xsph, summation, shifting;
+  int xsph, summation, shifting, correction;
   int viscous;     /* viscosity > 0 */
   int hydrostatic; /* gravity along a direction that is not periodic */
   int porous;      /* eps below 1 somewhere */
@@ -78,6 +78,8 @@ struct sph_t {
   size_t shift_room;
   double *shade; /* [own] sum of V W over ghost points: 1 - Gamma (S.6) */
   size_t shade_room;
+  double *factor; /* [all] of S.22 */
+  size_t factor_room;
   double *saved; /* [own][8] x v rho_bar when a step of the predictor-corrector began */
   size_t saved_room;
 
@@ -134,6 +136,8 @@ int sph_refresh_ghosts(sph_t *sph);
 /* Rates of density into the sums and RATE; positions, velocities and pressures of ghosts are there.
  */
 int sph_density_rates(sph_t *sph);
+/* Collective. Factors of S.22 of own particles and ghosts, from the sums of the density. */
+int sph_make_factors(sph_t *sph);
 /* Densities as sums (S.6). */
 void sph_density_sums(sph_t *sph);
 /* Accelerations into RATE, and the force on the walls. */
@@ -150,6 +154,8 @@ int sph_shift_sums(sph_t *sph);
  * ------------------------------------------------------------------------------------ */
 /* Most of its way in a step by which a particle is shifted besides. */
 double sph_shift_room(const sph_t *sph);
+/* 0 at a free surface to 1 inside, of the sum -sum V x.grad W/d. */
+double sph_share_inside(double moment);
 /* Particle i, with the sums of its place, moved on for a step h from the given place. */
 void sph_shift_one(const sph_t *sph, int i, double h, double x[3], double *density, double *eps);
 void sph_shift(sph_t *sph, double h);

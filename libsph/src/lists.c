@@ -40,6 +40,9 @@ static int make_full(sph_t *sph) {
   const size_t all = (size_t)lists->start[n];
   PART_TRY(sph_grow(all + 1, sizeof *lists->partner, &lists->partner_room, &lists->partner));
   PART_TRY(sph_grow(SPH_SUMS * (size_t)n, sizeof *sph->sum, &sph->sum_room, &sph->sum));
+  if (sph->plan.correction)
+    PART_TRY(sph_grow((size_t)sph->store->local + (size_t)sph->store->ghost, sizeof *sph->factor,
+                      &sph->factor_room, &sph->factor));
   if (sph->plan.shifting)
     PART_TRY(sph_grow(SPH_SHIFTS * (size_t)n, sizeof *sph->shift, &sph->shift_room, &sph->shift));
   for (int i = 0; i < n; i++) {

@@ -33,7 +33,7 @@ PART_LANES vec separate(const row *r, const vec b[8], vec d[3], vec u[3]) {
   return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
 }
 
-/* S.4, S.5, S.6, S.11. */
+/* S.4, S.5, S.6, S.11, S.22. */
 PART_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
                             sph_kernel_function shape, sph_kernel_function slope) {
   const vec per_h = vec_all(1.0 / in->h), norm = vec_all(in->norm);
@@ -42,8 +42,8 @@ PART_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
   const int values = in->smooth || in->count;
   for (int i = from; i < to; i++) {
     row r = take_row(in, i);
-    vec s[6];
-    for (int c = 0; c < 6; c++)
+    vec s[7];
+    for (int c = 0; c < 7; c++)
       s[c] = vec_all(0.0);
     for (; r.k < r.end; r.k += PART_WIDTH) {
       vec b[8], d[3], u[3];
@@ -63,8 +63,10 @@ PART_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
           s[2 + c] -= v * u[c];
         s[5] += vec_keep(vec_less(vec_all(0.0), d2), w);
       }
+      if (in->correct)
+        s[6] -= f * d2;
     }
-    for (int c = 0; c < 6; c++)
+    for (int c = 0; c < 7; c++)
       sum[SPH_SUMS * (size_t)i + (size_t)c] = vec_sum(s[c]);
   }
 }
@@ -110,6 +112,8 @@ PART_LANES void force_loop(const sph_lanes *in, int from, int to, double *sum,
       if (in->porous)
         eps = 0.5 * (eps + vec_load_1(in->mass + 2, 4, in->partner + r.k));
       vec p = r.p + b[7];
+      if (in->correct)
+        p = r.p * vec_all(in->factor[i]) + b[7] * vec_load_1(in->factor, 1, in->partner + r.k);
       if (repel)
         p += repulsion(in, r.p, b[7], shape(q));
       force_of(in, d, u, d2, p, eps, &along_d, &along_u);

@@ -22,6 +22,8 @@ typedef struct sph_lanes {
   double hydrostatic[3];        /* Pa/m, rho_0 g along directions that are not periodic (S.5) */
   int diffuse, smooth, count;   /* the density loop also sums S.5, S.11, S.6 */
   int porous;                   /* eps is not 1 everywhere */
+  int correct;                  /* the density loop sums S.22, the force loop uses the next */
+  const double *factor;         /* [all] of S.22 */
   double viscosity;             /* Pa s, of Morris, 0: none */
   double monaghan;              /* kg/(m2 s), rho_0 times alpha of S.9, 0: none */
   double sound_speed;           /* m/s */
@@ -32,7 +34,8 @@ typedef struct sph_lanes {
 
 /* Sums of rows from .. to-1 into sum[row][SPH_SUMS]. density: [0] sum V u.grad W, [1] sum V (p_j -
  * p_i
- * - hydrostatic) slope, [2..4] sum V (v_j - v_i) W, [5] sum W without the own. force: [0..2] force
+ * - hydrostatic) slope, [2..4] sum V (v_j - v_i) W, [5] sum W without the own, [6] -sum V
+ * x_ij.grad W. force: [0..2] force
  * over own volume. shift, into [row][SPH_SHIFTS]: [0..2] sum V grad W, [3..5] sum V (p_j - p_i)
  * grad W, [6] -sum V x_ij.grad W. Where a sum is not asked for it is not written.
  */

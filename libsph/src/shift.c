@@ -6,15 +6,15 @@
 /* A shift is at most this share of the particle's own way. */
 static const double most_share = 0.1;
 
-/* Of the sum that is 1 inside the fluid: no shift below the first (free surface), all of it above
- * the second. On lattices the outermost layer has 0.5 to 0.6 and the third 1. */
+/* Of the sum that is 1 inside the fluid: no shift or correction below the first (free surface), all
+ * of it above the second. On lattices the outermost layer has 0.5 to 0.6 and the third 1. */
 static const double surface = 0.85, inside = 0.95;
 
 double sph_shift_room(const sph_t *sph) {
   return sph->plan.shifting ? most_share : 0.0;
 }
 
-static double share_inside(double sum) {
+double sph_share_inside(double sum) {
   const double share = (sum - surface) / (inside - surface);
   return share < 0.0 ? 0.0 : share < 1.0 ? share : 1.0;
 }
@@ -25,7 +25,7 @@ static void shift_of(const sph_t *sph, int i, double h, double way[3], double *p
   const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
   const double *f = sph_force(sph) + SPH_FORCE * (size_t)i;
   const double speed = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-  const double moment = s[6] / (double)sph->params.dimensions, share = share_inside(moment);
+  const double moment = s[6] / (double)sph->params.dimensions, share = sph_share_inside(moment);
   const double size = sph->params.shifting * sph->params.smoothing_length *
                       sqrt(s[0] * s[0] + s[1] * s[1] + s[2] * s[2]);
   const double limit = size > most_share ? most_share / size : 1.0;

@@ -39,6 +39,10 @@ static int check_scheme(const sph_params *p) {
         PART_ERR_RANGE,
         "%s: entry shifting: %g is not allowed with densityScheme summation, must be 0", table,
         p->shifting);
+  if (p->gradient_correction)
+    return part_fail(PART_ERR_RANGE,
+                     "%s: entry gradientCorrection: on is not allowed with densityScheme summation",
+                     table);
   if (p->xsph > 0.0)
     return part_fail(PART_ERR_RANGE,
                      "%s: entry xsph: %g is not allowed with densityScheme summation, must be 0",
@@ -103,6 +107,7 @@ void sph_destroy(sph_t *sph) {
   free(sph->sum);
   free(sph->shift);
   free(sph->shade);
+  free(sph->factor);
   free(sph->saved);
   if (sph->comm != MPI_COMM_NULL)
     MPI_Comm_free(&sph->comm);

@@ -32,8 +32,10 @@ static int first_rates(sph_t *sph) {
       sph_set_states(sph);
       status = sph_refresh_ghosts(sph);
     }
-  } else if (sph->params.time_scheme == SPH_PREDICTOR_CORRECTOR) {
-    status = sph_density_rates(sph);
+  } else if (sph->params.time_scheme == SPH_PREDICTOR_CORRECTOR || sph->plan.correction) {
+    status = part_agree(sph->comm, sph_density_rates(sph));
+    if (status == PART_OK)
+      status = sph_make_factors(sph);
   }
   if (status == PART_OK)
     status = sph_accelerations(sph);

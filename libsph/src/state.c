@@ -55,6 +55,8 @@ static sph_lanes lanes_of(const sph_t *sph) {
       .smooth = sph->plan.xsph || all,
       .count = sph->plan.summation || all,
       .porous = sph->plan.porous || all,
+      .correct = sph->plan.correction,
+      .factor = sph->factor,
       .viscosity = p->viscosity_model == SPH_MORRIS ? p->viscosity : 0.0,
       .monaghan = p->viscosity_model == SPH_MONAGHAN ? p->density * sph->monaghan : 0.0,
       .sound_speed = p->sound_speed,
@@ -69,10 +71,28 @@ static int density_sums(sph_t *sph) {
   return sph->plan.walls ? sph_walls_density(sph) : PART_OK;
 }
 
+/* S.22, from the sums of the density. */
+static double factor_of(const sph_t *sph, int i) {
+  const double moment =
+      sph->sum[SPH_SUMS * (size_t)i + 6] / (double)sph->params.dimensions;
+  const double share = sph_share_inside(moment);
+  return share > 0.0 ? 1.0 + share * (1.0 / moment - 1.0) : 1.0;
+}
+
+int sph_make_factors(sph_t *sph) {
+  if (!sph->plan.correction)
+    return PART_OK;
+  for (int i = 0; i < sph->store->local; i++)
+    sph->factor[i] = factor_of(sph, i);
+  return part_domain_copy_to_ghosts(sph->domain, sph->store, sizeof *sph->factor, sph->factor,
+                                    sph->factor + sph->store->local);
+}
+
 /* S.4 + S.5, or S.6: what the scheme asks for. */
 int sph_density_rates(sph_t *sph) {
   const sph_params *p = &sph->params;
   const double diffuse = 2.0 * p->density_diffusion * p->smoothing_length / p->sound_speed;
+  const int correct = sph->plan.correction;
   PART_TRY(density_sums(sph));
   if (sph->plan.summation) {
     sph_density_sums(sph);
@@ -80,7 +100,8 @@ int sph_density_rates(sph_t *sph) {
   }
   for (int i = 0; i < sph->store->local; i++) {
     const double *s = sph->sum + SPH_SUMS * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
-    sph_rate(sph)[SPH_RATE * (size_t)i + 3] = m[1] * s[0] - diffuse * s[1];
+    sph_rate(sph)[SPH_RATE * (size_t)i + 3] =
+        (correct ? factor_of(sph, i) : 1.0) * m[1] * s[0] - diffuse * s[1];
   }
   return PART_OK;
 }

@@ -35,7 +35,9 @@ static void density_of_points(sph_t *sph, int i, sph_seer *s) {
   for (int k = 0; k < n; k++) {
     const sph_point *p = &sph->walls.point[k];
     const double q = sqrt(dot(p->r, p->r)) / h;
-    sum[0] -= p->volume * slope_norm * sph_slope(sph->params.kernel, q) * dot(p->q, v);
+    const double f = p->volume * slope_norm * sph_slope(sph->params.kernel, q);
+    sum[0] -= f * dot(p->q, v);
+    sum[6] -= f * dot(p->r, p->r);
     if (sph->plan.summation)
       sph->shade[i] += p->volume * sph->norm * sph_shape(sph->params.kernel, q);
   }
@@ -49,6 +51,8 @@ static void density_by_table(sph_t *sph, int i, const sph_seer *s) {
   sph->sum[SPH_SUMS * (size_t)i] +=
       (t[SPH_TABLE_GRADIENT] + per_distance * t[SPH_TABLE_GRADIENT_DEPTH]) *
       dot(v, sph->walls.face[s->nearest].n);
+  sph->sum[SPH_SUMS * (size_t)i + 6] -=
+      t[SPH_TABLE_NORMAL] + (double)(sph->params.dimensions - 1) * t[SPH_TABLE_ACROSS];
   if (sph->plan.summation)
     sph->shade[i] += t[SPH_TABLE_SHADE];
 }
@@ -89,6 +93,11 @@ static void viscous(const sph_t *sph, const double d[3], const double u[3], doub
   }
 }
 
+/* S.22: ghost points have the factor of the particle. */
+static double factor_of(const sph_t *sph, int i) {
+  return sph->plan.correction ? sph->factor[i] : 1.0;
+}
+
 /* Eq. 25: u_ak = u_n n + mirror u_t, without u_t where the fluid slips. Pressure goes on behind the
  * wall as that of a fluid at rest. Returns the force over own volume in `force`. */
 static void force_of(const sph_t *sph, int i, const sph_point *p, double force[3]) {
@@ -108,7 +117,7 @@ static void force_of(const sph_t *sph, int i, const sph_point *p, double force[3
   }
   viscous(sph, d, u, normal * dot(d, face->n), &along_d, &along_u);
   for (int c = 0; c < 3; c++)
-    force[c] = f * ((m[2] * along_d - pressure) * d[c] + m[2] * along_u * u[c]);
+    force[c] = f * ((m[2] * along_d - factor_of(sph, i) * pressure) * d[c] + m[2] * along_u * u[c]);
 }
 
 static void take_force(sph_t *sph, int i, int face, const double force[3]) {
@@ -137,7 +146,8 @@ static void force_by_table(sph_t *sph, int i, const sph_seer *s) {
   const double *x = sph_xv(sph) + SPH_XV * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
   const sph_params *p = &sph->params;
   const sph_face *face = &sph->walls.face[s->nearest];
-  const double relative = m[1] / (m[2] * p->density), *n = face->n, *g = sph->hydrostatic;
+  const double factor = factor_of(sph, i), *n = face->n, *g = sph->hydrostatic;
+  const double relative = factor * m[1] / (m[2] * p->density);
   const double per_distance = sph_walls_mirror(sph, 1.0, s->distance) - 1.0;
   const int slips = sph->walls.wall[face->wall].params.slip == SPH_FREE_SLIP;
   double u[3], t[SPH_TABLE_COUNT], force[3];
@@ -146,7 +156,7 @@ static void force_by_table(sph_t *sph, int i, const sph_seer *s) {
   const double mu = 2.0 * m[2] * (p->viscosity_model == SPH_MORRIS ? p->viscosity : 0.0);
   const double shear =
       slips ? 0.0 : mu * (t[SPH_TABLE_VISCOUS] + per_distance * t[SPH_TABLE_VISCOUS_DEPTH]);
-  const double along = -2.0 * x[7] * t[SPH_TABLE_GRADIENT] + relative * t[SPH_TABLE_NORMAL] * g_n +
+  const double along = -2.0 * factor * x[7] * t[SPH_TABLE_GRADIENT] + relative * t[SPH_TABLE_NORMAL] * g_n +
                        mu * t[SPH_TABLE_VISCOUS] * normal +
                        m[2] * p->density * p->artificial_viscosity * p->sound_speed *
                            p->smoothing_length * fmin(normal, 0.0) * t[SPH_TABLE_APPROACH];

@@ -29,6 +29,7 @@ static scene tank(const variant *v) {
     s.params.shifting = 2.0;
     s.params.artificial_pressure = 0.2;
     s.params.anti_clump = 0.01;
+    s.params.gradient_correction = 1;
   }
   if (v->density == SPH_SUMMATION) {
     s.box.hi[2] = 0.09;

@@ -36,6 +36,8 @@ static void parameters(void **state) {
   s.params.density_scheme = SPH_SUMMATION;
   s.params.xsph = 0.5;
   refuse(&s, "entry xsph: 0.5 is not allowed with densityScheme summation");
+  s.params.gradient_correction = 1;
+  refuse(&s, "entry gradientCorrection: on is not allowed with densityScheme summation");
   s.params.shifting = 2.0;
   refuse(&s, "entry shifting: 2 is not allowed with densityScheme summation");
   s.params.density_diffusion = 0.1;

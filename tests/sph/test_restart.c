@@ -28,6 +28,7 @@ static scene tank(int scheme) {
   s.params.shifting = 1.0;
   s.params.artificial_pressure = 0.2;
   s.params.anti_clump = 0.01;
+  s.params.gradient_correction = 1;
   s.params.time_scheme = scheme;
   return s;
 }

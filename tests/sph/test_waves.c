@@ -154,6 +154,7 @@ static void momentum_is_kept(void **state) {
   s.params.shifting = 2.0;
   s.params.artificial_pressure = 0.2;
   s.params.anti_clump = 0.01;
+  s.params.gradient_correction = 1;
   for (int k = 0; k < 4; k++) {
     double eps[1000];
     sph_view view;

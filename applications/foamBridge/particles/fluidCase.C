@@ -318,6 +318,14 @@ static std::vector<char> insideMesh(const polyMesh& mesh, const lattice& l)
   return inside;
 }
 
+/* dp = rho d(work) with the density of S.3: rho_0 work but for c, whose fluid would sink until it is that dense. */
+static scalar restingPressure(const sph_params& p, scalar work)
+{
+  const scalar c2 = sqr(p.sound_speed), n = p.gamma - 1;
+  const scalar density = n > 1e-6 ? std::pow(max(1 + n*work/c2, scalar(0.1)), 1/n) : std::exp(work/c2);
+  return p.background_pressure + p.density*c2/p.gamma*(std::pow(density, p.gamma) - 1);
+}
+
 static void fillMesh
 (
   sph_t* sph, const polyMesh& mesh, const IOdictionary& dict, const part_box& box, const sph_params& params
@@ -338,12 +346,13 @@ static void fillMesh
   for (label k = first; k < last; ++k)
   {
     const point x(l.at(filled[k]));
-    scalar p = params.background_pressure;
+    scalar work = 0; // of gravity from the surface, m2/s2
     for (direction d = 0; d < 3; ++d)
     {
       const scalar top = params.gravity[d] < 0 ? l.lo[d] + l.n[d]*l.side[d] : l.lo[d];
-      if (!box.periodic[d]) p += params.density*params.gravity[d]*(x[d] - top);
+      if (!box.periodic[d]) work += params.gravity[d]*(x[d] - top);
     }
+    const scalar p = restingPressure(params, work);
     position[k - first] = x;
     pressure[k - first] = p;
   }
