@@ -6,7 +6,6 @@
 enum { skin_trial = 256 };
 
 static int make_pairs(dem_t *dem, const int *count, const void *payload) {
-  PART_TRY(part_pairs_build(dem->pairs, dem->store, DEM_FIELD_RADIUS, &dem->levels, dem->skin));
   if (dem->plan.bonds)
     PART_TRY(dem_bonds_list(dem, count, payload));
   PART_TRY(dem_pair_list_filter(dem));
@@ -115,6 +114,18 @@ static double ghost_skin(const dem_t *dem) {
   return dem->skin + fmax(dem->bonds.widest, dem->film.range);
 }
 
+/* Ghosts, the pairs, and ghosts that are in one. Those in none are kept where somebody else than
+ * pairs may want them. */
+static int make_ghosts(dem_t *dem) {
+  PART_TRY(part_domain_sphere_ghosts(dem->domain, dem->store, DEM_FIELD_RADIUS, &dem->levels,
+                                     ghost_skin(dem)));
+  PART_TRY(part_agree(dem->comm, part_pairs_build(dem->pairs, dem->store, DEM_FIELD_RADIUS,
+                                                  &dem->levels, dem->skin)));
+  if (dem->plan.bonds || dem->plan.lubrication || dem->plan.clumps)
+    return PART_OK;
+  return part_pairs_trim_ghosts(dem->pairs, dem->domain, dem->store);
+}
+
 static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   int status = PART_OK;
   adapt_skin(dem);
@@ -125,8 +136,7 @@ static int rebuild(dem_t *dem, int balance, int **count, void **payload) {
   PART_TRY(part_agree(dem->comm, status));
   PART_TRY(rearrange(dem, balance, count, payload));
   if (dem->plan.pairs)
-    PART_TRY(part_domain_sphere_ghosts(dem->domain, dem->store, DEM_FIELD_RADIUS, &dem->levels,
-                                       ghost_skin(dem)));
+    PART_TRY(make_ghosts(dem));
   if (dem->plan.bonds)
     PART_TRY(dem_bonds_orient(dem, *count, *payload));
   PART_TRY(part_agree(dem->comm, make_lists(dem, *count, *payload)));
@@ -178,11 +188,33 @@ static int relist_walls(dem_t *dem) {
   return status;
 }
 
-int dem_refresh(dem_t *dem, double way) {
+/* Ghosts on their way, before ranks agree whether lists hold: so they wait for each other once in a
+ * step, and copies made for nothing are as rare as rebuilds. */
+static int send_ghosts(dem_t *dem) {
+  if (!dem->plan.pairs)
+    return PART_OK;
+  part_timers_start(dem->timers, dem->stage[DEM_STAGE_GHOSTS]);
+  const int status = part_domain_send_ghosts(dem->domain, dem->store);
+  part_timers_stop(dem->timers, dem->stage[DEM_STAGE_GHOSTS]);
+  return status;
+}
+
+static int receive_ghosts(dem_t *dem, int turns) {
+  int status = PART_OK;
+  part_timers_start(dem->timers, dem->stage[DEM_STAGE_GHOSTS]);
+  if (dem->plan.pairs)
+    status = part_domain_receive_ghosts(dem->domain);
+  if (turns && dem->plan.clumps && status == PART_OK)
+    status = dem_clumps_turns(dem);
+  part_timers_stop(dem->timers, dem->stage[DEM_STAGE_GHOSTS]);
+  return status;
+}
+
+/* Must lists be made again after a drift by `way`, as dem_refresh has it? */
+static int lists_end(dem_t *dem, double way) {
   /* Lists hold until one particle has moved half the skin. Without lists only periodic wrapping and
    * the errors of migration are left, which can wait for a radius. */
   const double limit = dem->plan.pairs || dem->plan.walls ? 0.5 * dem->skin : dem->r_mean;
-  part_timers_start(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
   /* The bound costs nothing; only when it says maybe, every particle is looked at. */
   const int trial =
       dem->plan.pairs && dem->params.skip && dem->substeps - dem->substeps_built == skin_trial;
@@ -198,18 +230,18 @@ int dem_refresh(dem_t *dem, double way) {
     travel = max_over_ranks(dem, travel);
   }
   dem->travel = travel;
-  const int rebuild_now = !(travel <= limit) || (trial && best_skin(dem) < 0.7 * dem->skin);
+  return !(travel <= limit) || (trial && best_skin(dem) < 0.7 * dem->skin);
+}
+
+int dem_refresh(dem_t *dem, double way) {
+  PART_TRY(send_ghosts(dem));
+  part_timers_start(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
+  const int rebuild_now = lists_end(dem, way);
   part_timers_stop(dem->timers, dem->stage[DEM_STAGE_NEIGHBOURS]);
+  PART_TRY(receive_ghosts(dem, !rebuild_now));
   if (rebuild_now)
     return dem_rebuild(dem, 0, NULL, NULL);
   if (dem->plan.walls && dem->walls.travel > dem->walls.margin)
-    PART_TRY(part_agree(dem->comm, relist_walls(dem)));
-  part_timers_start(dem->timers, dem->stage[DEM_STAGE_GHOSTS]);
-  int status = PART_OK;
-  if (dem->plan.pairs)
-    status = part_domain_update_ghosts(dem->domain, dem->store);
-  if (dem->plan.clumps && status == PART_OK)
-    status = dem_clumps_turns(dem);
-  part_timers_stop(dem->timers, dem->stage[DEM_STAGE_GHOSTS]);
-  return status;
+    return part_agree(dem->comm, relist_walls(dem));
+  return PART_OK;
 }

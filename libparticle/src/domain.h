@@ -5,6 +5,7 @@
 
 #include "particle/domain.h"
 #include "particle/exchange.h"
+
 #include "records.h"
 
 /* A rank's part: lo < x <= hi in every direction; outer sides are infinite. Parts come from one
@@ -14,16 +15,26 @@ typedef struct part_region {
   double lo[3], hi[3];
 } part_region;
 
+/* Copies to or from one rank: `count` of them from `first` on, an item of the plan or a ghost. */
+typedef struct ghost_peer {
+  int rank, count, first;
+} ghost_peer;
+
 /* The ghost exchange that update repeats. */
 typedef struct ghost_plan {
-  part_exchange *exchange; /* NULL on one rank */
-  int count, local;        /* copies this rank sends; own particles when it was made */
-  int *item, *destination; /* [count] own particle, rank of the copy */
-  double *shift;           /* [count][3] added to the position, m */
-  size_t item_room, destination_room, shift_room;
+  int made;
+  int count, ghosts, local; /* copies this rank gives, gets; own particles when it was made */
+  int *item, *image;        /* [count] own particle, row of shift; by rank, particle, image */
+  double *shift;            /* [images][3] added to the position, m */
+  ghost_peer own_to, own_from, *to, *from; /* the others by rank */
+  int n_to, n_from;
+  int widest;                           /* most copies to or from one rank */
   unsigned char take[PART_RECORDS_MAX]; /* records that update refreshes */
-  unsigned char *send, *received;
-  size_t send_room, received_room;
+  MPI_Request *request;                 /* of `pending` messages that are under way */
+  int pending;
+  unsigned char *send; /* what they carry */
+  size_t sent;         /* bytes of it */
+  size_t item_room, image_room, request_room, send_room;
 } ghost_plan;
 
 struct part_domain {
@@ -41,7 +52,21 @@ int part_domain_agree(const part_domain *domain, int status);
 /* part_fail with id and position of own particle i. */
 int part_domain_fail_at(const part_store *store, int i, int status, const char *what);
 void part_ghost_plan_free(ghost_plan *plan);
-/* One more copy: own particle i to a rank. */
-int part_ghost_plan_add(ghost_plan *plan, int i, int rank, const double shift[3]);
+/* Collective. The exchange of `count` copies: own particle item[k] to rank destination[k] (in
+ * increasing order) with shift[3 image[k]]; item and image are in the plan, shift is copied. */
+int part_ghost_plan_make(part_domain *domain, int count, const int *destination, int images,
+                         const double *shift);
+/* Local. Room for so many arrays with together so many bytes of a particle between begin and end;
+ * ERR_MEMORY, ERR_ARGUMENT: not a multiple of 8, ERR_RANGE: more than a message holds. */
+int part_ghost_room(part_domain *domain, size_t room, int arrays);
+/* All ranks call. Puts `size` bytes of each particle ([local] in own) on the way to its copies
+ * ([ghosts] in copies), and makes those that stay on this rank. shifted: they begin with a
+ * position. Others may follow before part_ghost_end waits for all of them; own may change
+ * meanwhile. */
+int part_ghost_begin(part_domain *domain, size_t size, int shifted, const void *own, void *copies);
+int part_ghost_end(part_domain *domain);
+/* Collective; see part_domain_trim_ghosts. */
+int part_ghost_trim(part_domain *domain, part_store *store, const unsigned char *needed,
+                    int *place);
 
 #endif

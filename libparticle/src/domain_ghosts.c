@@ -32,82 +32,70 @@ static int check_places(const part_domain *domain, const part_store *store) {
   return PART_OK;
 }
 
-/* Whole cache lines and halves of them, which the compiler copies in registers, or any size. */
-static void copy_items(int n, const int *item, size_t bytes, const unsigned char *from,
-                       unsigned char *to) {
-  if (bytes == 64)
-    for (int k = 0; k < n; k++, to += 64)
-      memcpy(to, from + (size_t)item[k] * 64, 64);
-  else if (bytes == 32)
-    for (int k = 0; k < n; k++, to += 32)
-      memcpy(to, from + (size_t)item[k] * 32, 32);
-  else
-    for (int k = 0; k < n; k++, to += bytes)
-      memcpy(to, from + (size_t)item[k] * bytes, bytes);
-}
-
-/* Copies of the records taken, from the originals into the ghosts. On one rank straight from
- * particle to particle. */
-static int refresh(part_domain *domain, part_store *store, const unsigned char *take) {
-  ghost_plan *plan = &domain->ghosts;
-  const part_layout *layout = store->layout;
-  const size_t size = part_records_size(layout, take);
-  if (domain->size > 1) {
-    part_records_pack(store, take, plan->count, plan->item, plan->send);
-    for (size_t k = 0; k < (size_t)plan->count; k++) { /* an item begins with x, y, z */
-      double x[3];
-      memcpy(x, plan->send + k * size, sizeof x);
-      for (int d = 0; d < 3; d++)
-        x[d] += plan->shift[3 * k + (size_t)d];
-      memcpy(plan->send + k * size, x, sizeof x);
-    }
-    PART_TRY(part_exchange_forward(plan->exchange, size, plan->send, plan->received));
-    part_records_unpack(store, take, store->local, store->ghost, plan->received);
-    return PART_OK;
+/* The records taken on their way to the ghosts. */
+static int begin_refresh(part_domain *domain, part_store *store, const unsigned char *take) {
+  for (int r = 0; r < store->layout->record_count; r++) {
+    const size_t bytes = (size_t)store->layout->records[r].width * 8;
+    unsigned char *own = (unsigned char *)store->record[r];
+    if (take[r])
+      PART_TRY(part_ghost_begin(domain, bytes, r == 0, own, own + (size_t)store->local * bytes));
   }
-  for (int r = 0; r < layout->record_count; r++) {
-    if (!take[r])
-      continue;
-    const size_t bytes = (size_t)layout->records[r].width * 8;
-    unsigned char *from = (unsigned char *)store->record[r];
-    unsigned char *to = from + (size_t)store->local * bytes;
-    copy_items(plan->count, plan->item, bytes, from, to);
-  }
-  const size_t width = (size_t)layout->records[0].width;
-  double *ghost = part_record_double(store, 0) + (size_t)store->local * width;
-  for (size_t k = 0; k < (size_t)plan->count; k++)
-    for (size_t d = 0; d < 3; d++)
-      ghost[k * width + d] += plan->shift[3 * k + d];
   return PART_OK;
 }
 
-static int make_room(part_domain *domain, part_store *store, int ghosts, size_t size) {
-  ghost_plan *plan = &domain->ghosts;
+static int make_room(part_domain *domain, part_store *store, size_t size) {
+  const int ghosts = domain->ghosts.ghosts;
   if (ghosts > 2147483647 - store->local)
     return part_fail(PART_ERR_RANGE, "%d particles and %d ghosts on one rank", store->local,
                      ghosts);
   PART_TRY(part_store_reserve(store, store->local + ghosts));
-  if (domain->size == 1)
-    return PART_OK;
-  PART_TRY(part_grow((size_t)plan->count * size, 1, &plan->send_room, &plan->send));
-  return part_grow((size_t)ghosts * size, 1, &plan->received_room, &plan->received);
+  return part_ghost_room(domain, size, store->layout->record_count);
+}
+
+/* The items in the order of the ranks they go to; those of one rank stay in order. */
+static int order_items(ghost_plan *plan, const ghost_choice *choice, int *destination) {
+  int *next;
+  PART_TRY(part_allocate((size_t)choice->domain->size + 1, sizeof *next, &next));
+  for (int k = 0; k < choice->items; k++)
+    next[choice->target[choice->item[k].target].rank + 1]++;
+  for (int r = 1; r < choice->domain->size; r++)
+    next[r] += next[r - 1];
+  for (int k = 0; k < choice->items; k++) {
+    const int rank = choice->target[choice->item[k].target].rank, at = next[rank]++;
+    plan->item[at] = choice->item[k].particle;
+    plan->image[at] = choice->item[k].target;
+    destination[at] = rank;
+  }
+  free(next);
+  return PART_OK;
+}
+
+static int choice_arrays(ghost_plan *plan, const ghost_choice *choice, int **destination,
+                         double **shift) {
+  const size_t n = (size_t)choice->items;
+  PART_TRY(part_grow(n, sizeof *plan->item, &plan->item_room, &plan->item));
+  PART_TRY(part_grow(n, sizeof *plan->image, &plan->image_room, &plan->image));
+  PART_TRY(part_allocate(n, sizeof **destination, destination));
+  PART_TRY(part_allocate(3 * (size_t)choice->targets, sizeof **shift, shift));
+  for (size_t k = 0; k < (size_t)choice->targets; k++)
+    memcpy(*shift + 3 * k, choice->target[k].shift, 3 * sizeof **shift);
+  return order_items(plan, choice, *destination);
 }
 
 /* The choice as an exchange. */
 static int make_plan(part_domain *domain, const ghost_choice *choice) {
-  ghost_plan *plan = &domain->ghosts;
-  int status = PART_OK;
-  for (int k = 0; k < choice->items && status == PART_OK; k++) {
-    const ghost_target *t = &choice->target[choice->item[k].target];
-    status = part_ghost_plan_add(plan, choice->item[k].particle, t->rank, t->shift);
-  }
-  PART_TRY(part_domain_agree(domain, status));
-  if (domain->size == 1)
-    return PART_OK;
-  return part_exchange_create(domain->comm, plan->count, plan->destination, &plan->exchange);
+  int *destination = NULL;
+  double *shift = NULL;
+  int status =
+      part_domain_agree(domain, choice_arrays(&domain->ghosts, choice, &destination, &shift));
+  if (status == PART_OK)
+    status = part_ghost_plan_make(domain, choice->items, destination, choice->targets, shift);
+  free(destination);
+  free(shift);
+  return status;
 }
 
-/* First copies: position and id are on every one; what has PART_GHOST is kept up to date as well. */
+/* First copies: position and id are on every one; what has PART_GHOST is kept up to date too. */
 static int first_copies(part_domain *domain, part_store *store) {
   ghost_plan *plan = &domain->ghosts;
   unsigned char take[PART_RECORDS_MAX];
@@ -115,21 +103,19 @@ static int first_copies(part_domain *domain, part_store *store) {
   plan->take[0] = 1;
   memcpy(take, plan->take, sizeof take);
   take[store->layout->fields[store->layout->id_field].record] = 1;
-  const int ghosts =
-      plan->exchange != NULL ? part_exchange_receive_count(plan->exchange) : plan->count;
-  PART_TRY(part_domain_agree(
-      domain, make_room(domain, store, ghosts, part_records_size(store->layout, take))));
-  store->ghost = ghosts;
-  part_records_zero(store, store->local, ghosts);
-  return refresh(domain, store, take);
+  PART_TRY(
+      part_domain_agree(domain, make_room(domain, store, part_records_size(store->layout, take))));
+  store->ghost = plan->ghosts;
+  part_records_zero(store, store->local, plan->ghosts);
+  PART_TRY(begin_refresh(domain, store, take));
+  return part_ghost_end(domain);
 }
 
 static int make_ghosts(part_domain *domain, part_store *store, ghost_choice *choice) {
   ghost_plan *plan = &domain->ghosts;
   store->ghost = 0;
-  part_exchange_destroy(plan->exchange);
-  plan->exchange = NULL;
-  plan->count = 0;
+  plan->made = 0;
+  plan->count = plan->ghosts = 0;
   plan->local = store->local;
   int status = !(choice->skin >= 0.0 && choice->levels.top[0] < INFINITY)
                    ? part_fail(PART_ERR_RANGE, "reach or skin of ghosts is not in [0, inf)")
@@ -168,33 +154,40 @@ int part_domain_sphere_ghosts(part_domain *domain, part_store *store, int radius
 /* Is the exchange that of the particles and ghosts in the store? */
 static int check_plan(const part_domain *domain, const part_store *store) {
   const ghost_plan *plan = &domain->ghosts;
-  const int ghosts =
-      plan->exchange != NULL ? part_exchange_receive_count(plan->exchange) : plan->count;
-  if (plan->local != store->local || ghosts != store->ghost)
+  if (plan->local != store->local || plan->ghosts != store->ghost)
     return part_fail(PART_ERR_STATE,
                      "%d particles with %d ghosts, but the exchange was made for %d with %d: call "
                      "part_domain_ghosts after a change",
-                     store->local, store->ghost, plan->local, ghosts);
-  if (domain->size > 1 && plan->exchange == NULL)
+                     store->local, store->ghost, plan->local, plan->ghosts);
+  if (domain->size > 1 && !plan->made)
     return part_fail(PART_ERR_STATE, "part_domain_ghosts was not called");
   return PART_OK;
 }
 
-int part_domain_update_ghosts(part_domain *domain, part_store *store) {
+int part_domain_send_ghosts(part_domain *domain, part_store *store) {
   PART_TRY(check_plan(domain, store));
-  return refresh(domain, store, domain->ghosts.take);
+  return begin_refresh(domain, store, domain->ghosts.take);
+}
+
+int part_domain_receive_ghosts(part_domain *domain) {
+  return part_ghost_end(domain);
+}
+
+int part_domain_update_ghosts(part_domain *domain, part_store *store) {
+  PART_TRY(part_domain_send_ghosts(domain, store));
+  return part_ghost_end(domain);
 }
 
 int part_domain_copy_to_ghosts(part_domain *domain, const part_store *store, size_t size,
                                const void *own, void *ghosts) {
-  ghost_plan *plan = &domain->ghosts;
   PART_TRY(check_plan(domain, store));
-  if (domain->size == 1) {
-    copy_items(plan->count, plan->item, size, own, ghosts);
-    return PART_OK;
-  }
-  PART_TRY(part_domain_agree(
-      domain, part_grow((size_t)plan->count * size, 1, &plan->send_room, &plan->send)));
-  copy_items(plan->count, plan->item, size, own, plan->send);
-  return part_exchange_forward(plan->exchange, size, plan->send, ghosts);
+  PART_TRY(part_domain_agree(domain, part_ghost_room(domain, size, 1)));
+  PART_TRY(part_ghost_begin(domain, size, 0, own, ghosts));
+  return part_ghost_end(domain);
+}
+
+int part_domain_trim_ghosts(part_domain *domain, part_store *store, const unsigned char *needed,
+                            int *place) {
+  PART_TRY(check_plan(domain, store));
+  return part_ghost_trim(domain, store, needed, place);
 }

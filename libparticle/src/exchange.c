@@ -20,8 +20,9 @@ struct part_exchange {
   MPI_Comm comm;
   int size, rank;
   int n_send, n_receive;
-  int *order; /* [n_send] sender's item of each packed one: by rank, then by item; NULL: identity */
-  int *source;     /* [n_receive] */
+  int *order;  /* [n_send] sender's item of each packed one: by rank, then by item; NULL: identity,
+                * items travel from and to the caller's arrays without being packed */
+  int *source; /* [n_receive] */
   peer *to, *from; /* other ranks only, in increasing order */
   int n_to, n_from;
   peer own_to, own_from;
@@ -66,7 +67,11 @@ static int make_peers(const part_exchange *plan, const int *count, peer **peers,
 
 /* Counting sort of the items by destination; stable, so the sender's order stays. */
 static int make_order(part_exchange *plan, const int *destination, const int *count) {
-  int *next, first = 0;
+  int *next, first = 0, sorted = 1;
+  for (int k = 1; k < plan->n_send && sorted; k++)
+    sorted = destination[k - 1] <= destination[k];
+  if (sorted)
+    return PART_OK;
   PART_TRY(part_allocate((size_t)plan->n_send, sizeof *plan->order, &plan->order));
   PART_TRY(part_allocate((size_t)plan->size, sizeof *next, &next));
   for (int r = 0; r < plan->size; r++) {
@@ -214,36 +219,43 @@ static void copy(void *to, const void *from, size_t bytes) {
     memcpy(to, from, bytes);
 }
 
-int part_exchange_forward(part_exchange *plan, size_t item_size, const void *send, void *received) {
-  const unsigned char *items = (const unsigned char *)send;
-  if (plan->size == 1) {
-    copy(received, send, (size_t)plan->n_send * item_size);
+/* The items in the order of the plan. */
+static int pack(part_exchange *plan, size_t item_size, const unsigned char *items,
+                const unsigned char **packed) {
+  *packed = items;
+  if (plan->order == NULL)
     return PART_OK;
-  }
   PART_TRY(part_grow((size_t)plan->n_send * item_size, 1, &plan->packed_room, &plan->packed));
   for (size_t k = 0; k < (size_t)plan->n_send; k++)
     memcpy(plan->packed + k * item_size, items + (size_t)plan->order[k] * item_size, item_size);
-  copy((unsigned char *)received + (size_t)plan->own_from.first * item_size,
-       plan->packed + (size_t)plan->own_to.first * item_size,
-       (size_t)plan->own_to.count * item_size);
-  return messages(plan, item_size, plan->to, plan->n_to, plan->packed, plan->from, plan->n_from,
+  *packed = plan->packed;
+  return PART_OK;
+}
+
+int part_exchange_forward(part_exchange *plan, size_t item_size, const void *send, void *received) {
+  const unsigned char *packed;
+  PART_TRY(pack(plan, item_size, (const unsigned char *)send, &packed));
+  if (plan->own_to.count > 0)
+    copy((unsigned char *)received + (size_t)plan->own_from.first * item_size,
+         packed + (size_t)plan->own_to.first * item_size, (size_t)plan->own_to.count * item_size);
+  return messages(plan, item_size, plan->to, plan->n_to, packed, plan->from, plan->n_from,
                   (unsigned char *)received);
 }
 
 int part_exchange_reverse(part_exchange *plan, size_t item_size, const void *send, void *received) {
-  unsigned char *items = (unsigned char *)received;
-  if (plan->size == 1) {
-    copy(received, send, (size_t)plan->n_send * item_size);
-    return PART_OK;
+  unsigned char *items = (unsigned char *)received, *packed = items;
+  if (plan->order != NULL) {
+    PART_TRY(part_grow((size_t)plan->n_send * item_size, 1, &plan->packed_room, &plan->packed));
+    packed = plan->packed;
   }
-  PART_TRY(part_grow((size_t)plan->n_send * item_size, 1, &plan->packed_room, &plan->packed));
-  copy(plan->packed + (size_t)plan->own_to.first * item_size,
-       (const unsigned char *)send + (size_t)plan->own_from.first * item_size,
-       (size_t)plan->own_to.count * item_size);
+  if (plan->own_to.count > 0)
+    copy(packed + (size_t)plan->own_to.first * item_size,
+         (const unsigned char *)send + (size_t)plan->own_from.first * item_size,
+         (size_t)plan->own_to.count * item_size);
   PART_TRY(messages(plan, item_size, plan->from, plan->n_from, (const unsigned char *)send,
-                    plan->to, plan->n_to, plan->packed));
-  for (size_t k = 0; k < (size_t)plan->n_send; k++)
-    memcpy(items + (size_t)plan->order[k] * item_size, plan->packed + k * item_size, item_size);
+                    plan->to, plan->n_to, packed));
+  for (size_t k = 0; plan->order != NULL && k < (size_t)plan->n_send; k++)
+    memcpy(items + (size_t)plan->order[k] * item_size, packed + k * item_size, item_size);
   return PART_OK;
 }
 

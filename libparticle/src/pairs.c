@@ -135,3 +135,30 @@ int part_pairs_build_naive(part_pairs *pairs, const part_store *store, int radiu
     pairs->rows = 0;
   return status;
 }
+
+static int trim_ghosts(part_pairs *pairs, part_domain *domain, part_store *store,
+                       unsigned char *needed, int *place) {
+  const int local = store->local, n = pairs->start[pairs->rows];
+  for (int k = 0; k < n; k++)
+    if (pairs->partner[k] >= local)
+      needed[pairs->partner[k] - local] = 1;
+  PART_TRY(part_domain_trim_ghosts(domain, store, needed, place));
+  for (int k = 0; k < n; k++)
+    if (pairs->partner[k] >= local)
+      pairs->partner[k] = local + place[pairs->partner[k] - local];
+  return PART_OK;
+}
+
+int part_pairs_trim_ghosts(part_pairs *pairs, part_domain *domain, part_store *store) {
+  unsigned char *needed = NULL;
+  int *place = NULL;
+  int status = part_allocate((size_t)store->ghost, 1, &needed);
+  if (status == PART_OK)
+    status = part_allocate((size_t)store->ghost + 1, sizeof *place, &place);
+  status = part_agree(part_domain_comm(domain), status);
+  if (status == PART_OK)
+    status = trim_ghosts(pairs, domain, store, needed, place);
+  free(needed);
+  free(place);
+  return status;
+}

@@ -144,6 +144,57 @@ static void ghosts_of_what_is_needed(void **state) {
   assert_true(2 * few < all);
 }
 
+/* Ghosts in no pair go; the others keep everything, and are kept up to date. */
+static void trimmed_ghosts(void **state) {
+  (void)state;
+  long long kept = 0, made = 0;
+  for (int which = 0; which < 4; which++) {
+    part_domain *domain;
+    part_store *store;
+    part_pairs *pairs;
+    part_levels levels;
+    const double r1 = 0.05, q = which < 2 ? 1.0 : 10.0, skin = 0.004;
+    set_up(which % 2 == 0 ? &free_box : &periodic_box, 300, r1 / q, r1, &domain, &store);
+    part_levels_set(&levels, r1 / q, r1);
+    OK(part_domain_sphere_ghosts(domain, store, F_R, &levels, skin));
+    made += store->ghost;
+    uint64_t *wanted = row_sums(store, skin);
+    OK(part_pairs_create(0, &pairs));
+    OK(part_pairs_build(pairs, store, F_R, &levels, skin));
+    OK(part_pairs_trim_ghosts(pairs, domain, store));
+    kept += store->ghost;
+    check_rows(pairs, store);
+    compare(store, skin);
+    unsigned char *used = calloc((size_t)store->ghost + 1, 1);
+    for (int k = 0; k < pairs->start[pairs->rows]; k++)
+      if (pairs->partner[k] >= store->local)
+        used[pairs->partner[k] - store->local] = 1;
+    int64_t *ids = calloc((size_t)store->ghost + 1, sizeof *ids);
+    int64_t *own = calloc((size_t)store->local + 1, sizeof *own);
+    for (int i = 0; i < store->local; i++)
+      own[i] = *id_of(store, i);
+    OK(part_domain_copy_to_ghosts(domain, store, sizeof *own, own, ids));
+    for (int g = 0; g < store->ghost; g++) {
+      assert_int_equal(used[g], 1);
+      assert_int_equal(ids[g], *id_of(store, store->local + g));
+      position(store, store->local + g)[0] = NAN;
+    }
+    OK(part_domain_update_ghosts(domain, store));
+    uint64_t *found = row_sums(store, skin);
+    assert_memory_equal(found, wanted, 2 * (size_t)store->local * sizeof *wanted);
+    free(wanted);
+    free(found);
+    free(used);
+    free(ids);
+    free(own);
+    part_pairs_destroy(pairs);
+    part_store_destroy(store);
+    part_domain_destroy(domain);
+  }
+  print_message("ghosts in pairs on this rank: %lld of %lld\n", kept, made);
+  assert_true(kept > 0 && kept < made);
+}
+
 /* Small spheres on one side, one large on the other: only those that it touches are copied. */
 static void small_ghosts_of_a_large_sphere(void **state) {
   (void)state;
@@ -508,6 +559,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(fast_is_naive),
     cmocka_unit_test(wide_distributions),
     cmocka_unit_test(ghosts_of_what_is_needed),
+    cmocka_unit_test(trimmed_ghosts),
     cmocka_unit_test(small_ghosts_of_a_large_sphere),
     cmocka_unit_test(levels_hold_radii),
     cmocka_unit_test(near_variants),

@@ -85,9 +85,20 @@ int part_domain_sphere_ghosts(part_domain *domain, part_store *store, int radius
  * kept. ERR_STATE: own particles or ghosts are not those of the last part_domain_ghosts (on every
  * rank, or the others wait). */
 int part_domain_update_ghosts(part_domain *domain, part_store *store);
+/* Collective. The same in two calls: between them the copies are not valid, and other work and
+ * messages may go on, but store and exchange must stay as they are. receive follows every send. */
+int part_domain_send_ghosts(part_domain *domain, part_store *store);
+int part_domain_receive_ghosts(part_domain *domain);
 
-/* Collective. Data of own particles ([local] of `size` bytes) to the ghosts' ([ghost]), along the
- * exchange of the last part_domain_ghosts; what no field holds, because few scenes have it. */
+/* Collective. Drops the ghosts g with needed[g] == 0, [ghost]; nothing is sent for them any more, on
+ * the ranks of the originals neither. The others keep their order: ghost g becomes place[g],
+ * [ghost + 1], the number of those kept before it. ERR_STATE as update. */
+int part_domain_trim_ghosts(part_domain *domain, part_store *store, const unsigned char *needed,
+                            int *place);
+
+/* Collective. Data of own particles ([local] of `size` bytes, a multiple of 8) to the ghosts'
+ * ([ghost]), along the exchange of the last part_domain_ghosts; what no field holds, because few
+ * scenes have it. */
 int part_domain_copy_to_ghosts(part_domain *domain, const part_store *store, size_t size,
                                const void *own, void *ghosts);
 

@@ -130,9 +130,11 @@ def sphere_file(case, rows):
 # ------------------------------------------------------------------------------ running
 
 def decompose(case, ranks, method):
-    """decomposePar by simple or scotch (see lib/scotch.py for packages without scotch)."""
+    """decomposePar by simple (mostly along z), hierarchical (x and y, so that periodic sides are split over ranks both ways) or scotch
+    (see lib/scotch.py for packages without it)."""
     words = {'numberOfSubdomains': ranks, 'method': method, 'manualCoeffs': {'dataFile': '"cellDecomposition"'},
-             'simpleCoeffs': {'n': {1: (1, 1, 1), 2: (1, 1, 2), 3: (1, 1, 3), 4: (2, 1, 2)}[ranks], 'delta': 0.001}}
+             'simpleCoeffs': {'n': {1: (1, 1, 1), 2: (1, 1, 2), 3: (1, 1, 3), 4: (2, 1, 2)}[ranks], 'delta': 0.001},
+             'hierarchicalCoeffs': {'n': {1: (1, 1, 1), 2: (1, 2, 1), 3: (1, 3, 1), 4: (2, 2, 1)}[ranks], 'delta': 0.001, 'order': 'yxz'}}
     case.write('system/decomposeParDict', words)
     status, text = case.run('decomposePar', '-force', check=method != 'scotch')
     if method == 'scotch' and status and 'stub library' in text:
