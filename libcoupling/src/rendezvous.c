@@ -105,6 +105,14 @@ static int add_visit(cpl_rendezvous *r, int particle, int destination, const dou
   return PART_OK;
 }
 
+/* The only rank in bins from .. to, at most two each way; -1: perhaps several or none. */
+static int only_rank(const cpl_bins *bins, const int from[3], const int to[3]) {
+  for (int k = 0; k < 3; k++)
+    if (to[k] < from[k] || to[k] > from[k] + 1)
+      return -1;
+  return bins->alone[(from[2] * bins->n[1] + from[1]) * bins->n[0] + from[0]];
+}
+
 /* One image of a sphere: a visit to every rank that has cells in a bin that the sphere's bounding
  * box touches. */
 static int visit_ranks(cpl_rendezvous *r, int particle, const double sphere[4]) {
@@ -124,6 +132,9 @@ static int visit_ranks(cpl_rendezvous *r, int particle, const double sphere[4]) 
   }
   if (r->size == 1)
     return add_visit(r, particle, r->rank, sphere);
+  const int alone = only_rank(bins, from, to);
+  if (alone >= 0)
+    return add_visit(r, particle, alone, sphere);
   r->stamp_now++;
   for (int z = from[2]; z <= to[2]; z++)
     for (int y = from[1]; y <= to[1]; y++)

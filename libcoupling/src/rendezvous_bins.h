@@ -11,6 +11,7 @@ typedef struct cpl_bins {
   int n[3];
   int *start; /* [n[0] n[1] n[2] + 1] into rank; NULL with one rank */
   int *rank;
+  int *alone; /* [bins] the only rank of a bin and of the seven behind it in x, y, z; -1: others */
 } cpl_bins;
 
 /* Collective. ERR_ARGUMENT: no rank has cells. */
