@@ -30,6 +30,8 @@ int cpl_search_create(const cpl_mesh *mesh, cpl_search **search) {
     status = cpl_search_build_bins(s);
   if (status == PART_OK)
     status = cpl_tensor_create(s, &s->tensor);
+  if (status == PART_OK && s->tensor == NULL)
+    status = cpl_search_build_corners(s);
   if (status != PART_OK) {
     cpl_search_destroy(s);
     return status;
@@ -42,8 +44,7 @@ void cpl_search_destroy(cpl_search *s) {
   if (s == NULL)
     return;
   free(s->plane);
-  free(s->triangle);
-  free(s->triangle_n);
+  free(s->corner);
   free(s->cell_face_start);
   free(s->cell_face);
   free(s->bound);
@@ -85,13 +86,12 @@ void cpl_search_mark(const cpl_search *s, const double lo[3], const double bin[3
 /* x sees all triangles of a warped face from the inner side. */
 static int sees_fan(const cpl_search *s, int f, double sign, const double x[3]) {
   const double *c = s->plane[f].c, u[3] = {c[0] - x[0], c[1] - x[1], c[2] - x[2]};
-  const int count = s->mesh->face_start[f + 1] - s->mesh->face_start[f];
-  for (int i = 0; i < count && s->triangle[f] >= 0; i++) {
-    const double *n = s->triangle_n[s->triangle[f] + i];
+  for (int i = 0; i < -s->plane[f].count; i++) {
+    const double *n = s->corner[s->plane[f].row + 2 * i];
     if (sign * (n[0] * u[0] + n[1] * u[1] + n[2] * u[2]) <= s->tie)
       return 0;
   }
-  return s->triangle[f] >= 0;
+  return s->plane[f].count < 0;
 }
 
 int cpl_search_surely_in(const cpl_search *s, int cell, const double x[3]) {
@@ -107,8 +107,9 @@ int cpl_search_surely_in(const cpl_search *s, int cell, const double x[3]) {
     const double h =
         p->n[0] * (p->c[0] - x[0]) + p->n[1] * (p->c[1] - x[1]) + p->n[2] * (p->c[2] - x[2]);
     const double sign = code < 0 ? -1.0 : 1.0;
-    if (sign * h <= p->thickness + s->tie &&
-        (sign * h < -p->thickness || !sees_fan(s, code < 0 ? ~code : code, sign, x)))
+    const double thickness = (double)p->thickness;
+    if (sign * h <= thickness + s->tie &&
+        (sign * h < -thickness || !sees_fan(s, code < 0 ? ~code : code, sign, x)))
       return 0; /* x does not see this face surely from inside */
   }
   return 1; /* all solid angles are positive, so x is inside, whatever the shape */
@@ -151,7 +152,7 @@ int cpl_search_in(const cpl_search *s, int cell, const double x[3]) {
   for (int k = s->cell_face_start[cell]; k < s->cell_face_start[cell + 1]; k++) {
     const int code = s->cell_face[k], f = code < 0 ? ~code : code;
     const int *p = m->face_point + m->face_start[f], n = m->face_start[f + 1] - m->face_start[f];
-    const int planar = s->triangle[f] < 0;
+    const int planar = s->plane[f].count > 0;
     const double *apex = planar ? m->point + 3 * p[0] : s->plane[f].c;
     const double a[3] = {apex[0] - x[0], apex[1] - x[1], apex[2] - x[2]};
     for (int i = planar ? 1 : 0; i < (planar ? n - 1 : n); i++) {

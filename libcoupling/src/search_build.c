@@ -3,6 +3,7 @@
 #include "search_type.h"
 #include "polyhedron_sphere.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -47,6 +48,7 @@ static int build_plane(cpl_search *s, int f, int count, double round_off) {
   const cpl_mesh *m = s->mesh;
   cpl_face_plane *p = &s->plane[f];
   memset(p, 0, sizeof *p);
+  double thickness = 0.0, reach = 0.0;
   memcpy(p->c, m->face_centre + 3 * f, sizeof p->c);
   for (int i = 0; i < count; i++)
     add_cross(p->c, point_of(m, f, i), point_of(m, f, (i + 1) % count), p->n);
@@ -54,18 +56,19 @@ static int build_plane(cpl_search *s, int f, int count, double round_off) {
   for (int i = 0; i < count; i++) {
     const double *v = point_of(m, f, i);
     const double u[3] = {v[0] - p->c[0], v[1] - p->c[1], v[2] - p->c[2]};
-    p->thickness = fmax(p->thickness, fabs(dot(u, p->n)));
-    p->reach = fmax(p->reach, sqrt(dot(u, u)));
+    thickness = fmax(thickness, fabs(dot(u, p->n)));
+    reach = fmax(reach, sqrt(dot(u, u)));
   }
-  return count == 3 || (count <= CPL_POLYGON_MAX && p->thickness <= 1e-14 * p->reach + round_off &&
+  p->thickness = nextafterf((float)thickness, HUGE_VALF);
+  p->reach = nextafterf((float)reach, HUGE_VALF);
+  return count == 3 || (count <= CPL_POLYGON_MAX && thickness <= 1e-14 * reach + round_off &&
                         is_convex(m, f, count, p->n));
 }
 
 int cpl_search_build_faces(cpl_search *s) {
   const cpl_mesh *m = s->mesh;
-  s->plane = malloc(((size_t)m->faces + 1) * sizeof *s->plane);
-  s->triangle = malloc(((size_t)m->faces + 1) * sizeof *s->triangle);
-  if (s->plane == NULL || s->triangle == NULL)
+  s->plane = aligned_alloc(sizeof *s->plane, ((size_t)m->faces + 1) * sizeof *s->plane);
+  if (s->plane == NULL)
     return part_fail(PART_ERR_MEMORY, "search: no memory for %d faces", m->faces);
   double largest = 0.0;
   for (int i = 0; i < 3 * m->points; i++)
@@ -76,22 +79,36 @@ int cpl_search_build_faces(cpl_search *s) {
       return part_fail(PART_ERR_ARGUMENT, "search: face %d has %d points, needs 3 or more", f,
                        count);
     const int planar = build_plane(s, f, count, 8e-16 * largest);
-    s->triangle[f] = planar ? -1 : s->triangles;
-    s->triangles += planar ? 0 : count;
-  }
-  s->triangle_n = calloc((size_t)s->triangles + 1, sizeof *s->triangle_n);
-  if (s->triangle_n == NULL)
-    return part_fail(PART_ERR_MEMORY, "search: no memory for %d triangles", s->triangles);
-  for (int f = 0; f < m->faces; f++) {
-    const int count = m->face_start[f + 1] - m->face_start[f];
-    for (int i = 0; i < count && s->triangle[f] >= 0; i++) {
-      double *n = s->triangle_n[s->triangle[f] + i];
-      add_cross(s->plane[f].c, point_of(m, f, i), point_of(m, f, (i + 1) % count), n);
-      make_unit(n);
-    }
+    s->plane[f].row = -1;
+    s->plane[f].count = planar ? count : -count;
   }
   s->round_off = 2e-15 * largest; /* blockMesh: planes of 90 cells are 5e-16 thick */
   s->tie = 5.0 * s->round_off;
+  return PART_OK;
+}
+
+int cpl_search_build_corners(cpl_search *s) {
+  const cpl_mesh *m = s->mesh;
+  size_t rows = 0;
+  for (int f = 0; f < m->faces; f++)
+    rows += (size_t)abs(s->plane[f].count) * (s->plane[f].count < 0 ? 2 : 1);
+  s->corner = rows < INT_MAX ? malloc((rows + 1) * sizeof *s->corner) : NULL;
+  if (s->corner == NULL)
+    return part_fail(PART_ERR_MEMORY, "search: no memory for %zu corners of faces", rows);
+  int row = 0;
+  for (int f = 0; f < m->faces; f++) {
+    const int count = abs(s->plane[f].count);
+    cpl_face_plane *p = &s->plane[f];
+    p->row = row;
+    for (int i = 0; i < count; i++) {
+      if (p->count < 0) {
+        double *n = memset(s->corner[row++], 0, sizeof *s->corner);
+        add_cross(p->c, point_of(m, f, i), point_of(m, f, (i + 1) % count), n);
+        make_unit(n);
+      }
+      memcpy(s->corner[row++], point_of(m, f, i), sizeof *s->corner);
+    }
+  }
   return PART_OK;
 }
 
@@ -171,7 +188,7 @@ int cpl_search_build_cells(cpl_search *s) {
       s->at_border[c] |= f >= m->internal;
       for (int i = 0; i < m->face_start[f + 1] - m->face_start[f]; i++)
         widen(b, point_of(m, f, i));
-      if (s->triangle[f] >= 0)
+      if (s->plane[f].count < 0)
         widen(b, s->plane[f].c);
     }
     if (to - from < 4)

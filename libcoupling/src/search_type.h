@@ -9,9 +9,14 @@ typedef struct cpl_tensor cpl_tensor; /* tensor_grid.h */
 typedef struct cpl_hexes cpl_hexes;   /* sub_cell.h */
 
 /* Where a face can be: within `thickness` of the plane through c with unit normal n (owner to
- * neighbour), and within `reach` of c = its face centre. */
+ * neighbour), and within `reach` of c = its face centre, both rounded up. One cache line: most faces
+ * near a sphere are read here and not met. */
 typedef struct cpl_face_plane {
-  double n[3], c[3], thickness, reach;
+  double n[3], c[3];
+  float thickness, reach;
+  int row;   /* in cpl_search.corner; -1: tensor grid, has none */
+  int count; /* corners; fan: -count, each corner i preceded by the unit normal of triangle i (c, i,
+                i + 1), 0 without area */
 } cpl_face_plane;
 
 struct cpl_search {
@@ -21,10 +26,7 @@ struct cpl_search {
   double tie;          /* m: points this close to a face are on it */
 
   cpl_face_plane *plane;   /* [faces] */
-  int *triangle;           /* [faces] first triangle of the fan about the face centre, or -1: the
-                              face is one planar convex polygon */
-  double (*triangle_n)[3]; /* unit normals of the fan triangles; 0: no area */
-  int triangles;
+  double (*corner)[3];     /* of each face in a row, see cpl_face_plane; NULL for a tensor grid */
 
   int *cell_face_start, *cell_face; /* faces of each cell; ~f when the cell is the neighbour */
   double (*bound)[6];               /* [cells] lo, hi of each cell */
@@ -51,6 +53,7 @@ struct cpl_search {
 int cpl_search_build_faces(cpl_search *s);
 int cpl_search_build_cells(cpl_search *s);
 int cpl_search_build_bins(cpl_search *s);
+int cpl_search_build_corners(cpl_search *s); /* when the others and the tensor grid are known */
 /* Range of bins [lo, hi] of a box, clipped; 0 when it misses the grid. */
 int cpl_search_bin_range(const cpl_search *s, const double lo[3], const double hi[3], int from[3],
                          int to[3]);

@@ -163,7 +163,7 @@ int cpl_polyhedron_rows(cpl_search *s, int cell, int n, const int from[2], const
     const int f = s->cell_face[e] < 0 ? ~s->cell_face[e] : s->cell_face[e];
     const int *p = m->face_point + m->face_start[f],
               count = m->face_start[f + 1] - m->face_start[f];
-    const int planar = s->triangle[f] < 0;
+    const int planar = s->plane[f].count > 0;
     for (int i = planar ? 1 : 0; i < (planar ? count - 1 : count); i++) {
       const double *v[3] = {planar ? m->point + 3 * p[0] : s->plane[f].c, m->point + 3 * p[i],
                             m->point + 3 * p[(i + 1) % count]};

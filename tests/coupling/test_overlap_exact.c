@@ -88,6 +88,7 @@ static void cartesian_many(void **state) {
   assert_non_null(box.search->tensor);
   cpl_tensor *tensor = general.search->tensor;
   general.search->tensor = NULL;
+  assert_int_equal(cpl_search_build_corners(general.search), PART_OK);
   memset(general.search->is_box, 0, (size_t)general.mesh.view.cells);
   int hint = -1, hint2 = -1;
   for (int i = 0; i < 100000; i++) {
