@@ -195,7 +195,7 @@ bool particlePhase::start(volScalarField& eps, volVectorField& vp)
   return false;
 }
 
-void particlePhase::begin(const volVectorField& U, const volVectorField& stress)
+void particlePhase::begin(scalar dt, const volVectorField& U, const volVectorField& stress)
 {
   locate();
   const vectorField superficial(epsParticles_.primitiveField()*U.primitiveField());
@@ -216,7 +216,7 @@ void particlePhase::begin(const volVectorField& U, const volVectorField& stress)
   checkStatus(cpl_fluid_force(cpl_, &view_), "particlePhase::begin");
   if (const double* turn = cpl_turning(cpl_))
   {
-    checkStatus(dem_relax_spin(dem_, turn, mesh_.time().deltaTValue()), "particlePhase::begin");
+    checkStatus(dem_relax_spin(dem_, turn, dt), "particlePhase::begin");
   }
 }
 

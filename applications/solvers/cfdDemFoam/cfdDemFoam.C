@@ -13,6 +13,7 @@
 #include "singlePhaseTransportModel.H"
 #include "uniformDimensionedFields.H"
 
+#include "fluidSteps.H"
 #include "foamParams.H"
 #include "mixtureFields.H"
 #include "mixtureScheme.H"
@@ -45,6 +46,8 @@ int main(int argc, char* argv[])
   }
   progress pace(runTime);
   stageTimers stage;
+  fluidSteps fluidStep(runTime, mesh);
+  exchangedImpulse given(mesh);
   while (runTime.run())
   {
     stage.next("step size");
@@ -53,43 +56,31 @@ int main(int argc, char* argv[])
     #include "setDeltaT.H"
     roundDeltaT(runTime);
     ++runTime;
-    Info<< "Time = " << runTime.timeName() << ", deltaT = " << runTime.deltaTValue() << nl;
     const scalar dt = runTime.deltaTValue();
+    fluidStep.start(fluidStep.needed(courantRate*dt, maxCo));
+    Info<< "Time = " << runTime.timeName() << ", deltaT = " << dt;
+    if (fluidStep.number() > 1) Info<< ", fluid steps " << fluidStep.number();
+    Info<< nl;
     if (frozenFlow* flow = solids.frozen())
     {
       #include "frozenStep.H"
       continue;
     }
-
-    stage.next("particles and exchange");
-    solids.begin(U, stress);       // fluid force on the particles
-    solids.advance(dt, eps, vp, ap); // contact steps; where the particles are
-    solids.source(dt, D, G);       // their drag on the fluid
-    stage.next("face coefficients");
-    scheme.update();
-
-    while (pimple.loop())
+    while (fluidStep.next())
     {
-      stage.next("momentum");
-      #include "jEqn.H"
-      stage.next("pressure");
-      while (pimple.correct())
+      if (fluidStep.first()) // within the loop: the change of eps belongs to the first fluid step
       {
-        #include "pEqn.H"
+        stage.next("particles and exchange");
+        solids.begin(dt, U, stress);     // fluid force on the particles
+        solids.advance(dt, eps, vp, ap); // contact steps; where the particles are
+        solids.source(dt, D, G);         // their drag on the fluid
+        stage.next("face coefficients");
+        scheme.update();
       }
-      stage.next("turbulence");
-      if (turbulent && pimple.turbCorr())
-      {
-        phiFluid = phi - scheme.solidFlux((eps - epsOld)/runTime.deltaT());
-        transport.correct();
-        turbulence->correct();
-        nuEff = turbulence->nuEff();
-      }
+      #include "fluidStep.H"
     }
-    stage.next("reaction");
-    #include "reaction.H"
+    solids.react(dt, given.pressure(), given.drag(), given.volume(), given.stress());
     p = p_rgh + (g & mesh.C());
-    epsOld = eps;
 
     stage.next("report and output");
     solids.report(Info);
