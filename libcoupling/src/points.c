@@ -37,6 +37,9 @@ static int check(const cpl_points_params *params, const cpl_fluid *fluid,
   if (!isfinite(fluid->gravity[0] + fluid->gravity[1] + fluid->gravity[2]))
     return part_fail(PART_ERR_NUMERIC, "coupling: gravity (%g %g %g) m/s2 is not finite",
                      fluid->gravity[0], fluid->gravity[1], fluid->gravity[2]);
+  if (!isfinite(params->still[0] + params->still[1] + params->still[2]))
+    return part_fail(PART_ERR_NUMERIC, "coupling: gravity at rest (%g %g %g) m/s2 is not finite",
+                     params->still[0], params->still[1], params->still[2]);
   return PART_OK;
 }
 

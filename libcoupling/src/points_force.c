@@ -166,7 +166,8 @@ static int particle_force(cpl_points_t *p, cpl_particles *particles, int i, cons
   const double beta = drag_of(p, particles, i, sqrt(slip), mean) / (gradient ? 1.0 : eps);
   *sp = wet * beta;
   for (int c = 0; c < 3; c++) {
-    const double rest = gradient ? row[MORE + c] / sum : -p->fluid.density * p->fluid.gravity[c];
+    const double rest = gradient ? row[MORE + c] / sum - p->fluid.density * p->params.still[c]
+                                 : -p->fluid.density * p->fluid.gravity[c];
     su[c] = wet * (beta * u[c] + p->volume.data[i] * rest);
   }
   p->drag_rate = fmax(p->drag_rate, *sp * (1.0 - eps) / (p->volume.data[i] * p->fluid.density * eps));
@@ -235,7 +236,7 @@ int64_t cpl_points_outside_range(const cpl_points_t *p) {
 }
 
 /* ---- reaction ------------------------------------------------------------------------------- */
-/* work2[count][3] = J/(S dt) in the order of the force. */
+/* work2[count][3] = J/(S dt) in the order of the force, without what the pressure at rest gave (P.10). */
 static int order_impulses(cpl_points_t *p, const cpl_particles *particles, double dt) {
   cpl_match *match = NULL;
   CPL_ARRAY(double) impulse = {NULL, 0};
@@ -261,7 +262,9 @@ static int order_impulses(cpl_points_t *p, const cpl_particles *particles, doubl
   memset(&p->budget, 0, sizeof p->budget);
   for (int i = 0; i < p->count; i++) {
     double *j = p->work2.data + 3 * (size_t)i;
+    const double lift = p->wet.data[i] * p->volume.data[i] * p->fluid.density * dt;
     for (int c = 0; c < 3; c++) {
+      j[c] += lift * p->params.still[c];
       p->budget.particles[c] += j[c];
       j[c] = p->sum.data[i] > 0.0 ? j[c] / (p->sum.data[i] * dt) : 0.0;
     }

@@ -64,6 +64,7 @@ typedef struct result {
 } result;
 
 enum { N = 9, SPHERES = 150 };
+static const double still[3] = {0.3, 0.0, -2.0}; /* P.10 */
 
 /* Spheres of all sizes in a shear flow; impulses as particles would receive them, in another order and on other
  * ranks than before. */
@@ -76,6 +77,7 @@ static void run(MPI_Comm comm, int form, int walls, result *r) {
   for (int k = 0; walls && k < 2; k++)
     s.box.periodic[2 - k] = 0;
   s.params.form = form;
+  memcpy(s.params.still, still, sizeof still);
   for (int k = 0; k < cpl_drag_count(); k++)
     if (strcmp(cpl_drag_name(k), "beetstraPolydisperse") == 0)
       s.params.drag = k;
@@ -104,6 +106,10 @@ static void run(MPI_Comm comm, int form, int walls, result *r) {
   assert_int_equal(cpl_points_locate(s.points, &s.view, &s.fluid_view), PART_OK);
   assert_int_equal(cpl_points_porosity(s.points, &s.fluid_view), PART_OK);
   assert_int_equal(cpl_points_force(s.points, &s.view, &s.fluid_view), PART_OK);
+  double in_fluid = 0.0; /* m3 */
+  for (int i = 0; i < s.view.count; i++)
+    in_fluid += cpl_points_wet(s.points)[i] * 4.0 / 3.0 * PI * pow(s.sphere[i * SPHERE_WIDTH + SR], 3.0);
+  MPI_Allreduce(MPI_IN_PLACE, &in_fluid, 1, MPI_DOUBLE, MPI_SUM, comm);
   points_gather(&s, SPHERES, s.view.count, s.number, 2, s.sphere, SPHERE_WIDTH, SSU, 4, r->su);
   points_scene_spheres(&s, SPHERES, spheres, 1); /* elsewhere */
   for (int i = 0; i < s.view.count / 2; i++) {   /* and in another order */
@@ -125,6 +131,7 @@ static void run(MPI_Comm comm, int form, int walls, result *r) {
     double given = 0.0, taken = 0.0;
     for (int i = 0; i < SPHERES; i++)
       given += spheres[i * SPHERE_WIDTH + SJ + c];
+    given += 0.01 * s.fluid.density * in_fluid * still[c];
     for (int a = 0; a < n; a++)
       taken -= 0.01 * r->force[3 * a + c];
     assert_near(taken, given, 1e-12 * SPHERES);

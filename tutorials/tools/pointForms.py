@@ -36,12 +36,21 @@ class PointBlock:
         weights = np.interp(away, z, k, left=0, right=0)
         weights /= weights.sum(1)[:, None]
         self.eps = 1 - per_layer * sphere(diameter) / area * weights.sum(0) * n / height
+        self.weights = weights  # [layers][n] share of a sphere at each height
         self.eps_layer = weights @ self.eps
         self.slip_layer = weights @ (1 / self.eps)  # u_i over the superficial velocity
 
+    def layer_forces(self, w):
+        """Sum of beta/eps (u - v) over the spheres of each layer at the superficial slip w, N."""
+        return self.n * di_felice(w * self.slip_layer * self.eps_layer, self.d, self.eps_layer) / self.eps_layer
+
     def force(self, w):
-        """Sum of beta/eps (u - v) over all spheres at the superficial slip w, N."""
-        return self.n * (di_felice(w * self.slip_layer * self.eps_layer, self.d, self.eps_layer) / self.eps_layer).sum()
+        return self.layer_forces(w).sum()
+
+    def force_below(self, heights, w):
+        """Of that, what the fluid gets below each of the heights, N: over the area, the pressure at a height is this less than
+        beneath the block."""
+        return np.interp(heights, self.z, np.cumsum(self.layer_forces(w) @ self.weights))
 
 
 def flow_speed(block, area, height, rho=1000.0):

@@ -162,7 +162,7 @@ static List<FixedList<point, 3>> withImages
   return List<FixedList<point, 3>>(all);
 }
 
-DynamicList<fluidWall> fluidWalls(const polyMesh& mesh, const part_box& box, scalar reach)
+DynamicList<fluidWall> fluidWalls(const polyMesh& mesh, const part_box& box, scalar reach, bool lids)
 {
   fileName path;
   const dictionary U(readU(mesh, path));
@@ -175,7 +175,12 @@ DynamicList<fluidWall> fluidWalls(const polyMesh& mesh, const part_box& box, sca
   {
     if (isA<coupledPolyPatch>(patch) && patch.index() >= mesh.boundaryMesh().nNonProcessor()) continue;
     vector velocity;
-    const patchKind kind = kindOf(patch, U, path, velocity);
+    patchKind kind = kindOf(patch, U, path, velocity);
+    if (kind == NO_WALL && lids && !isA<coupledPolyPatch>(patch) && returnReduce(patch.size(), sumOp<label>()))
+    {
+      kind = FREE_SLIP;
+      Info<< "Patch " << patch.name() << " is a lid: with pressure p_rgh there is no free surface" << nl;
+    }
     if (kind == NO_WALL && isA<coupledPolyPatch>(patch)) continue;
     const List<FixedList<point, 3>> triangles(foamMesh::triangles(mesh, patch.index()));
     if (kind == NO_WALL)
@@ -231,7 +236,33 @@ DynamicList<cpl_points_plane> mirrors(const DynamicList<fluidWall>& walls)
 }
 
 /* ---- parameters ------------------------------------------------------------------------------- */
-void readFluid(const IOdictionary& dict, const fluidProperties& properties, sph_params& params)
+vector gravityAtRest(const IOdictionary& dict, const part_box& box, const vector& drive)
+{
+  const word kind(dict.getOrDefault<word>("pressure", "p"));
+  vector still(Zero);
+  if (kind == "p") return still;
+  if (kind != "p_rgh")
+  {
+    FatalIOErrorInFunction(dict)
+        << "entry 'pressure': " << kind << "; allowed: p, p_rgh" << exit(FatalIOError);
+  }
+  if (dict.found("fill"))
+  {
+    FatalIOErrorInFunction(dict)
+        << "entry 'fill' makes a free surface, at which pressure p_rgh is not 0; allowed: pressure p"
+        << exit(FatalIOError);
+  }
+  for (direction d = 0; d < 3; ++d)
+  {
+    if (!box.periodic[d]) still[d] = drive[d];
+  }
+  return still;
+}
+
+void readFluid
+(
+  const IOdictionary& dict, const fluidProperties& properties, const vector& still, sph_params& params
+)
 {
   part_params_default(&sph_params_table, &params);
   const wordList elsewhere({"density", "viscosity", "gravity"});
@@ -245,8 +276,8 @@ void readFluid(const IOdictionary& dict, const fluidProperties& properties, sph_
   }
   params.density = properties.density;
   params.viscosity = properties.viscosity;
-  put(params.gravity, properties.drive);
-  updateParams(dict, sph_params_table, &params, wordList({"coupling", "fill"}));
+  put(params.gravity, properties.drive - still);
+  updateParams(dict, sph_params_table, &params, wordList({"coupling", "fill", "pressure"}));
   if (params.dimensions == 2)
   {
     FatalIOErrorInFunction(dict)

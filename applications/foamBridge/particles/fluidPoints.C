@@ -108,6 +108,7 @@ fluidPoints::fluidPoints(const polyMesh& mesh, const vector& gravity, const flui
   coupling_(),
   params_(),
   sphParams_(),
+  still_(Zero),
   kernel_(),
   files_(mesh.time(), "fluid"),
   mirrored_(0),
@@ -130,12 +131,14 @@ fluidPoints::fluidPoints(const polyMesh& mesh, const vector& gravity, const flui
         << " allowed: 3, or demFoam" << exit(FatalIOError);
   }
   readCoupling();
-  readFluid(sphDict_, properties_, sphParams_);
+  still_ = gravityAtRest(sphDict_, system_.box(), properties_.drive);
+  for (direction d = 0; d < 3; ++d) params_.still[d] = still_[d];
+  readFluid(sphDict_, properties_, still_, sphParams_);
   const DynamicList<fluidWall> walls
   (
     fluidWalls
     (
-      mesh, system_.box(), sph_kernel_support(sphParams_.kernel)*sphParams_.smoothing_length
+      mesh, system_.box(), sph_kernel_support(sphParams_.kernel)*sphParams_.smoothing_length, still_ != vector::zero
     )
   );
   sph_ = createFluid(mesh, sphDict_, system_.box(), sphParams_, walls, system_.restarted(), files_.present());
@@ -217,7 +220,7 @@ void fluidPoints::predict(scalar dt)
     for (direction d = 0; d < 3; ++d)
     {
       ahead_[3*a + d] =
-        x[d] + dt*(u[d] + 0.5*dt*(rate[d] + properties_.drive[d] + perMass*force[d]));
+        x[d] + dt*(u[d] + 0.5*dt*(rate[d] + sphParams_.gravity[d] + perMass*force[d]));
     }
   }
 }
