@@ -103,6 +103,10 @@ int main(void) {
   printf("\n## Kernels\n\n| `kernel` | meaning |\n|---|---|\n");
 #define SPH_KERNEL(name, key, support, meaning) print_row(key, meaning);
 #include "sph/kernels.def"
+  printf("\n## Walls of a fluid of smoothed particles\n\n`model` of `sph_wall_params`.\n\n| model | meaning |\n|---|---|\n");
+#define SPH_WALL_POINTS(name, key, meaning) printf("| `%s` | %s |\n", key, meaning);
+#define SPH_WALL_PUSH(name, key, meaning) printf("| `%s` | %s |\n", key, meaning);
+#include "sph/wall_models.def"
   printf("\n## Particle quantities in files of libsph\n\n| array | components | unit | meaning |\n|---|---|---|---|\n");
   for (int k = 0; k < sph_layout.field_count; k++) {
     const part_field *f = &sph_layout.fields[k];

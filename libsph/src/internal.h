@@ -19,6 +19,8 @@ enum { SPH_MASS = 4, SPH_RATE = 4, SPH_FORCE = 8, SPH_META = 2 }; /* widths of r
 /* What the scene needs, worked out by sph_start and when eps is set. */
 typedef struct sph_plan {
   int walls;     /* there are some */
+  int fixed;     /* walls of fixed points */
+  int pushed;    /* walls that push along their normal, without points */
   int diffusion; /* densityDiffusion > 0 */
   int xsph, summation, shifting, correction;
   int viscous;     /* viscosity > 0 */

@@ -31,6 +31,13 @@ static const char *const sph_density_schemes[] = {"continuity", "summation", NUL
 static const char *const sph_viscosity_models[] = {"morris", "monaghan", NULL};
 static const char *const sph_time_schemes[] = {"symplectic", "predictorCorrector", NULL};
 static const char *const sph_wall_types[] = {"plane", "triangles", NULL};
+static const char *const sph_wall_models[] = {
+#define SPH_WALL_POINTS(name, key, meaning) key,
+#define SPH_WALL_PUSH(name, key, meaning) key,
+#include "sph/wall_models.def"
+#undef SPH_WALL_POINTS
+#undef SPH_WALL_PUSH
+    NULL};
 static const char *const sph_wall_slips[] = {"noSlip", "freeSlip", NULL};
 
 #define SPH_DIMS PART_PARAM_DIMS

@@ -8,6 +8,8 @@ void sph_make_plan(sph_t *sph) {
   const sph_params *p = &sph->params;
   sph_plan *plan = &sph->plan;
   plan->walls = sph->walls.count > 0;
+  plan->fixed = plan->walls && sph->walls.wall[0].params.model == SPH_WALL_fixed;
+  plan->pushed = sph_walls_push(sph);
   plan->diffusion = p->density_diffusion > 0.0;
   plan->xsph = p->xsph > 0.0;
   plan->shifting = p->shifting > 0.0;
@@ -105,8 +107,11 @@ int sph_plan_text(const sph_t *sph, size_t size, char *text) {
   else
     PART_TRY(add_line(size, text, "walls for far particles", "no wall within the support and skin",
                       "ghost points of these particles"));
-  if (plan->walls && sph->walls.planes > 0 &&
-      (sph->params.viscosity_model == SPH_MORRIS || !(sph->params.viscosity > 0.0)))
+  if (plan->pushed)
+    PART_TRY(add_line(size, text, "points behind walls", "the walls push along their normal",
+                      "ghost points"));
+  else if (plan->walls && sph->walls.planes > 0 && !plan->fixed &&
+           (sph->params.viscosity_model == SPH_MORRIS || !(sph->params.viscosity > 0.0)))
     PART_TRY(add_line(size, text, "ghost points behind a plane alone",
                       "their sums depend on the distance alone: a table",
                       "two thirds of the walls' time"));

@@ -60,6 +60,7 @@ static void derive(sph_t *sph) {
   sph->reach = sph_kernel_support(p->kernel) * h;
   sph->skin = p->skin_fraction * sph->reach;
   sph->norm = sph_kernel_norm(p->kernel, dim) / pow(h, dim) / depth;
+  sph->walls.tie = 1e-9 * p->spacing;
   sph->cell = pow(p->spacing, dim) * depth;
   sph->monaghan =
       p->viscosity * sph_kernel_monaghan(p->kernel, dim) / (p->density * h * p->sound_speed);

@@ -43,12 +43,25 @@ static int first_rates(sph_t *sph) {
   return status;
 }
 
+/* A file does not say where the plane is. */
+static int find_plane(sph_t *sph) {
+  double z = sph->store->local > 0 ? sph_xv(sph)[2] : HUGE_VAL;
+  if (sph->params.dimensions == 3 || !isnan(sph->plane))
+    return PART_OK;
+  if (MPI_Allreduce(MPI_IN_PLACE, &z, 1, MPI_DOUBLE, MPI_MIN, sph->comm) != MPI_SUCCESS)
+    return part_fail(PART_ERR_MPI, "a minimum over ranks failed");
+  sph->plane = z;
+  return PART_OK;
+}
+
 int sph_start(sph_t *sph) {
   PART_TRY(check(sph));
+  PART_TRY(find_plane(sph));
   sph_make_plan(sph);
   PART_TRY(sph_choose_loops(sph));
   PART_TRY(part_agree(sph->comm, sph_walls_bins(&sph->walls, sph->reach + sph->skin)));
   PART_TRY(part_agree(sph->comm, sph_walls_table(sph)));
+  PART_TRY(part_agree(sph->comm, sph_walls_fix(sph)));
   PART_TRY(sph_plan_fields(sph));
   if (!sph->restored)
     sph_set_states(sph);

@@ -201,6 +201,7 @@ int sph_limits(sph_t *sph, double *step, double *speed) {
     *step = fmin(*step, p->viscous_fraction * h * h / nu);
   if (most[1] > 0.0)
     *step = fmin(*step, p->force_fraction * sqrt(h / sqrt(most[1])));
+  *step = fmin(*step, sph_walls_longest_step(sph));
   /* Rates from before the step make S.14 stable to half as far. */
   if (p->time_scheme == SPH_PREDICTOR_CORRECTOR)
     *step *= 0.5;

@@ -56,7 +56,9 @@ double sph_face_distance(const sph_face *face, const double x[3], double *tilt) 
 }
 
 /* Of triangles at the same distance, those of an edge or corner, the one that is seen most squarely
- * says on which side of the surface x is. */
+ * says on which side of the surface x is. Of equals the first in the list counts, which is in the
+ * order of the faces: on the diagonal of a corner round-off must not choose, it differs between
+ * ranks. */
 int sph_faces_nearest(const sph_walls *walls, int n, const int *near, const double x[3],
                       double *distance) {
   int plane = -1, triangle = -1;
@@ -66,18 +68,18 @@ int sph_faces_nearest(const sph_walls *walls, int n, const int *near, const doub
     const sph_face *face = &walls->face[near[k]];
     const double d = sph_face_distance(face, x, &tilt);
     if (face->type == SPH_PLANE) {
-      if (d < least) {
+      if (d < least - walls->tie) {
         least = d;
         plane = near[k];
       }
-    } else if (triangle < 0 || fabs(d) < fabs(closest) * (1.0 - 1e-9) ||
-               (fabs(d) <= fabs(closest) * (1.0 + 1e-9) && tilt > best)) {
+    } else if (triangle < 0 || fabs(d) < fabs(closest) - walls->tie ||
+               (fabs(d) <= fabs(closest) + walls->tie && tilt > best + 1e-9)) {
       closest = d;
       best = tilt;
       triangle = near[k];
     }
   }
-  const int on_plane = plane >= 0 && (triangle < 0 || least < closest);
+  const int on_plane = plane >= 0 && (triangle < 0 || least <= closest + walls->tie);
   *distance = on_plane ? least : closest;
   return on_plane ? plane : triangle;
 }
@@ -166,4 +168,6 @@ void sph_walls_free(sph_walls *walls) {
   free(walls->point);
   free(walls->within);
   free(walls->table);
+  free(walls->fixed);
+  free(walls->fixed_grid.start);
 }

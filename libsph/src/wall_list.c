@@ -13,6 +13,15 @@ static int bin_of(const sph_bins *bins, const double x[3]) {
   return (at[2] * bins->cells[1] + at[1]) * bins->cells[0] + at[0];
 }
 
+int sph_walls_in_bin(const sph_walls *walls, const double x[3], int *near) {
+  const int bin = walls->planes < walls->faces ? bin_of(&walls->bins, x) : -1;
+  const int begin = bin >= 0 ? walls->bins.start[bin] : 0,
+            count = bin >= 0 ? walls->bins.start[bin + 1] - begin : 0;
+  for (int k = 0; k < count; k++)
+    near[k] = walls->bins.item[begin + k];
+  return count;
+}
+
 /* near[] has room for all faces from `used` on. */
 static int take_if_near(sph_walls *walls, int face, const double x[3], double reach, int used) {
   double tilt;

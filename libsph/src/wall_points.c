@@ -31,11 +31,11 @@ static void find_sides(const sph_t *sph, sph_seer *s) {
     double tilt;
     const double height = dot(d, face->n), away = fabs(sph_face_distance(face, s->x, &tilt));
     int at = 0;
-    if (height < 0.0 && face->type == SPH_TRIANGLES)
+    if (height < sph->walls.tie && face->type == SPH_TRIANGLES)
       continue;
     while (at < s->sides && dot(s->side[at].n, face->n) < same_side)
       at++;
-    if (at == SPH_SIDES || (at < s->sides && from[at] <= away))
+    if (at == SPH_SIDES || (at < s->sides && from[at] <= away + sph->walls.tie))
       continue;
     s->sides += at == s->sides;
     s->side[at] = (sph_side){face->n, height, s->near[k]};
@@ -83,10 +83,9 @@ static double solid_share(const sph_t *sph, const sph_seer *s, const double r[3]
   if (s->planes) {
     for (int k = 0; k < s->sides; k++) {
       const double one = s->side[k].distance + dot(s->side[k].n, r);
-      if (one < distance) {
-        distance = one;
+      if (one < distance - sph->walls.tie)
         *face = s->side[k].face;
-      }
+      distance = fmin(distance, one);
     }
   } else {
     const double y[3] = {s->x[0] + r[0], s->x[1] + r[1], s->x[2] + r[2]};
@@ -230,7 +229,13 @@ int sph_walls_see(sph_t *sph, int row, sph_seer *s) {
   return PART_OK;
 }
 
+void sph_walls_sides(const sph_t *sph, sph_seer *s) {
+  find_sides(sph, s);
+}
+
 int sph_walls_points(sph_t *sph, sph_seer *s) {
+  if (sph->plan.fixed)
+    return sph_walls_fixed_points(sph, s);
   find_sides(sph, s);
   return make_points(sph, s);
 }

@@ -6,6 +6,17 @@ static double length_of(const double a[3]) {
   return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]);
 }
 
+static const char *model_name(const sph_wall_params *p) {
+  static const char *const names[] = {
+#define SPH_WALL_POINTS(name, key, meaning) key,
+#define SPH_WALL_PUSH(name, key, meaning) key,
+#include "sph/wall_models.def"
+#undef SPH_WALL_POINTS
+#undef SPH_WALL_PUSH
+  };
+  return names[p->model];
+}
+
 static int check_plane(const sph_t *sph, const sph_wall_params *p, double n[3]) {
   const double length = length_of(p->normal);
   double along = 0.0, speed = length_of(p->velocity);
@@ -42,6 +53,41 @@ static int check_triangles(const sph_wall_params *p, int count, const double *ve
   for (int k = 0; k < 9 * count; k++)
     if (!isfinite(vertices[k]))
       return part_fail(PART_ERR_NUMERIC, "triangle %d is not finite", k / 9);
+  return PART_OK;
+}
+
+static int refuse(const sph_wall_params *p, const char *entry, const char *why) {
+  return part_fail(PART_ERR_RANGE, "entry %s: %s with model %s", entry, why, model_name(p));
+}
+
+/* What the models have no use for is an error. */
+static int check_model(const sph_t *sph, const sph_wall_params *p) {
+  const int points = p->model == SPH_WALL_ghost || p->model == SPH_WALL_fixed;
+  if (!points && p->slip != SPH_FREE_SLIP)
+    return refuse(p, "slip", "must be freeSlip, because the wall acts along its normal alone,");
+  if (p->model == SPH_WALL_fixed && p->slip != SPH_NO_SLIP)
+    return refuse(p, "slip", "must be noSlip, because the points are at rest,");
+  if (!points && length_of(p->velocity) > 0.0)
+    return refuse(p, "velocity", "must be 0, because the wall acts along its normal alone,");
+  if (p->model != SPH_WALL_ghost && sph->params.density_scheme == SPH_SUMMATION)
+    return part_fail(
+        PART_ERR_RANGE,
+        "entry model: with densityScheme summation it must be ghostPoints, whose share of "
+        "the kernel is known");
+  if (p->model != SPH_WALL_fixed && p->layers > 0)
+    return refuse(p, "layers", "is not allowed");
+  if (p->model == SPH_WALL_spring && !(p->stiffness > 0.0))
+    return refuse(p, "stiffness", "must be given and positive");
+  if (p->model != SPH_WALL_spring && p->stiffness > 0.0)
+    return refuse(p, "stiffness", "is not allowed");
+  if (p->model != SPH_WALL_spring && p->restitution != 1.0)
+    return refuse(p, "restitution", "is not allowed");
+  const sph_wall *first = sph->walls.wall;
+  if (sph->walls.count > 0 && first->params.model != p->model)
+    return part_fail(
+        PART_ERR_RANGE,
+        "entry model: differs from that of wall %s; all walls of a scene have one model",
+        first->name);
   return PART_OK;
 }
 
@@ -95,6 +141,7 @@ static int add_wall(sph_t *sph, const char *name, const sph_wall_params *params,
   PART_TRY(part_params_check(&sph_wall_table, params));
   PART_TRY(params->type == SPH_PLANE ? check_plane(sph, params, n)
                                      : check_triangles(params, count, vertices));
+  PART_TRY(check_model(sph, params));
   if (params->type == SPH_PLANE && count > 0)
     return part_fail(PART_ERR_ARGUMENT, "type plane has no triangles");
   sph_wall *wall = realloc(walls->wall, ((size_t)walls->count + 1) * sizeof *wall);

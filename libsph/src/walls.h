@@ -4,6 +4,7 @@
 #ifndef SPH_WALLS_H
 #define SPH_WALLS_H
 
+#include <math.h>
 #include <stddef.h>
 
 #include "sph/sph.h"
@@ -15,10 +16,18 @@ typedef struct sph_face {
   double n[3];             /* unit normal to the fluid */
 } sph_face;
 
+/* Where a particle is before a wall that pushes. */
+typedef struct sph_wall_place {
+  double distance, leaving; /* m, m/s: along the normal */
+  double mass;              /* kg, of the particle */
+  double spacing, h, sound_speed;
+  const sph_wall_params *wall;
+} sph_wall_place;
+
 typedef struct sph_wall {
   char name[PART_PARAM_WORD_LENGTH];
   sph_wall_params params;
-  double force[3]; /* N, of own particles on it, now */
+  double force[3];  /* N, of own particles on it, now */
   part_sum impulse; /* N s */
 } sph_wall;
 
@@ -52,8 +61,20 @@ enum sph_table {
   SPH_TABLE_COUNT
 };
 
+/* A point that stays where it is (S.23), and the grid in which they are looked up. */
+typedef struct sph_fixed {
+  double x[3]; /* m */
+  int face;
+} sph_fixed;
+typedef struct sph_fixed_grid {
+  double lo[3], edge;
+  int cells[3];
+  int *start; /* [cells + 1] */
+} sph_fixed_grid;
+
 typedef struct sph_walls {
   int count, faces, planes; /* the planes come first */
+  double tie;               /* m, distances that differ by less are the same */
   sph_wall *wall;
   sph_face *face;
   sph_bins bins;
@@ -65,6 +86,11 @@ typedef struct sph_walls {
   int *within;      /* [room of near] faces within the support of one particle */
   size_t within_room;
   double *table; /* [][SPH_TABLE_COUNT] */
+  sph_fixed *fixed;
+  size_t fixed_room;
+  int fixed_count;
+  double fixed_volume; /* m3, of each */
+  sph_fixed_grid fixed_grid;
 } sph_walls;
 
 /* A flat side of the walls around a particle: the nearest of those faces that look the same way. */
@@ -104,6 +130,8 @@ void sph_walls_free(sph_walls *walls);
 /* ---- wall_list.c: near faces of every own particle
  * ----------------------------------------------- */
 int sph_walls_list(struct sph_t *sph);
+/* Triangles of the bin that a point is in, into near[]; how many. */
+int sph_walls_in_bin(const sph_walls *walls, const double x[3], int *near);
 
 /* ---- wall_tables.c
  * -------------------------------------------------------------------------------- */
@@ -117,8 +145,23 @@ void sph_walls_look_up(const struct sph_t *sph, double distance, double sum[SPH_
 int sph_walls_see(struct sph_t *sph, int row, sph_seer *s);
 /* Ghost points into sph->walls.point; how many. */
 int sph_walls_points(struct sph_t *sph, sph_seer *s);
+/* Sides of the walls around the particle, in s. */
+void sph_walls_sides(const struct sph_t *sph, sph_seer *s);
 /* 1 + behind/distance of eq. 25-26. */
 double sph_walls_mirror(const struct sph_t *sph, double behind, double distance);
+
+/* ---- wall_fixed.c
+ * -------------------------------------------------------------------------------- */
+int sph_walls_fix(struct sph_t *sph); /* once, after the bins; nothing without such walls */
+/* Into sph->walls.point, as sph_walls_points. */
+int sph_walls_fixed_points(struct sph_t *sph, const sph_seer *s);
+
+/* ---- wall_push.c
+ * ------------------------------------------------------------------------------- */
+int sph_walls_push(const struct sph_t *sph); /* do the walls push? */
+/* Force of one side of the row's particle over its volume. */
+void sph_walls_push_force(struct sph_t *sph, int row, sph_seer *s, double force[3], int side);
+double sph_walls_longest_step(const struct sph_t *sph);
 
 /* ---- wall_sums.c: what walls add to the sums of the pair loops
  * -------------------------------------- */

@@ -2,7 +2,7 @@
 /* libsph: smoothed particle hydrodynamics. An sph_t holds the particles of a weakly compressible
  * fluid and its walls, and advances them under gravity and a force that whoever couples puts in. The
  * equations are those of a fluid averaged over the solids in it (Robinson et al. 2014; Markauskas et
- * al. 2017): doc/equations.md, S.1 to S.21.
+ * al. 2017): doc/equations.md, S.1 to S.25.
  *
  * SI units. Status returns as in particle/status.h. Calls marked collective are made by all ranks
  * of the communicator together; the others are local. */
@@ -95,10 +95,20 @@ extern const part_param_table sph_insert_table;
 /* Walls stand still; their surface may slide. */
 typedef enum { SPH_PLANE, SPH_TRIANGLES } sph_wall_type;
 typedef enum { SPH_NO_SLIP, SPH_FREE_SLIP } sph_wall_slip;
+enum sph_wall_model { /* rows of sph/wall_models.def */
+#define SPH_WALL_POINTS(name, key, meaning) SPH_WALL_##name,
+#define SPH_WALL_PUSH(name, key, meaning) SPH_WALL_##name,
+#include "sph/wall_models.def"
+#undef SPH_WALL_POINTS
+#undef SPH_WALL_PUSH
+  SPH_WALL_MODEL_COUNT
+};
 typedef struct sph_wall_params {
-  int type, slip;
+  int type, slip, model;
   double point[3], normal[3]; /* m, 1 */
   double velocity[3];         /* m/s */
+  int64_t layers;                /* of fixedPoints */
+  double stiffness, restitution; /* N/m, 1: of springDashpot */
 } sph_wall_params;
 extern const part_param_table sph_wall_table;
 
