@@ -5,11 +5,13 @@
 #include "OSspecific.H"
 #include "Time.H"
 #include "coupledPolyPatch.H"
+#include "emptyPolyPatch.H"
 #include "foamMesh.H"
 #include "foamParams.H"
 #include "meshSearch.H"
 #include "particleCase.H"
 
+#include <algorithm>
 #include <vector>
 
 namespace Foam
@@ -97,11 +99,26 @@ static bool bounds(const polyMesh& mesh, const sph_wall_params& p, scalar size)
   return least > -1e-6*size;
 }
 
-static fluidWall makeWall(const word& name, patchKind kind, const vector& velocity)
+/* What all walls have in common. */
+static sph_wall_params readWalls(const dictionary& properties)
+{
+  sph_wall_params params;
+  part_params_default(&sph_wall_table, &params);
+  part_params_set(&sph_wall_table, "type", nullptr, "triangles", &params); // required; that of the patches
+  if (properties.found("walls"))
+  {
+    const dictionary& walls = properties.subDict("walls");
+    checkEntries(walls, wordList({"model", "layers", "stiffness", "restitution"}));
+    updateParams(walls, sph_wall_table, &params);
+  }
+  return params;
+}
+
+static fluidWall makeWall(const word& name, const sph_wall_params& common, patchKind kind, const vector& velocity)
 {
   fluidWall w;
   w.name = name;
-  part_params_default(&sph_wall_table, &w.params);
+  w.params = common;
   w.params.type = SPH_TRIANGLES;
   w.params.slip = kind == FREE_SLIP ? SPH_FREE_SLIP : SPH_NO_SLIP;
   put(w.params.velocity, velocity);
@@ -130,6 +147,28 @@ static bool addPlanes
     if (planes.size() > 12) return false;
   }
   return true;
+}
+
+/* In an order that does not depend on the decomposition: of walls at the same distance the first one counts. */
+static List<FixedList<point, 3>> sorted(const List<FixedList<point, 3>>& triangles)
+{
+  List<FixedList<point, 3>> list(triangles);
+  std::sort
+  (
+    list.begin(), list.end(),
+    [](const FixedList<point, 3>& a, const FixedList<point, 3>& b)
+    {
+      for (label c = 0; c < 3; ++c)
+      {
+        for (direction d = 0; d < 3; ++d)
+        {
+          if (a[c][d] != b[c][d]) return a[c][d] < b[c][d];
+        }
+      }
+      return false;
+    }
+  );
+  return list;
 }
 
 /* Walls go on beyond periodic borders as far as the kernel reaches. */
@@ -162,8 +201,13 @@ static List<FixedList<point, 3>> withImages
   return List<FixedList<point, 3>>(all);
 }
 
-DynamicList<fluidWall> fluidWalls(const polyMesh& mesh, const part_box& box, scalar reach, bool lids)
+DynamicList<fluidWall> fluidWalls
+(
+  const polyMesh& mesh, const part_box& box, const dictionary& properties, const sph_params& params, bool lids
+)
 {
+  const sph_wall_params common(readWalls(properties));
+  const scalar reach = sph_kernel_support(params.kernel)*params.smoothing_length;
   fileName path;
   const dictionary U(readU(mesh, path));
   scalar size = 0;
@@ -174,6 +218,13 @@ DynamicList<fluidWall> fluidWalls(const polyMesh& mesh, const part_box& box, sca
   for (const polyPatch& patch : mesh.boundaryMesh())
   {
     if (isA<coupledPolyPatch>(patch) && patch.index() >= mesh.boundaryMesh().nNonProcessor()) continue;
+    if (isA<emptyPolyPatch>(patch))
+    {
+      if (params.dimensions == 2) continue;
+      FatalErrorInFunction
+          << "patch " << patch.name() << " is empty, which a fluid in three dimensions can not have: constant/sphProperties"
+          << " needs dimensions 2, or the patch another type" << exit(FatalError);
+    }
     vector velocity;
     patchKind kind = kindOf(patch, U, path, velocity);
     if (kind == NO_WALL && lids && !isA<coupledPolyPatch>(patch) && returnReduce(patch.size(), sumOp<label>()))
@@ -182,13 +233,13 @@ DynamicList<fluidWall> fluidWalls(const polyMesh& mesh, const part_box& box, sca
       Info<< "Patch " << patch.name() << " is a lid: with pressure p_rgh there is no free surface" << nl;
     }
     if (kind == NO_WALL && isA<coupledPolyPatch>(patch)) continue;
-    const List<FixedList<point, 3>> triangles(foamMesh::triangles(mesh, patch.index()));
+    const List<FixedList<point, 3>> triangles(sorted(foamMesh::triangles(mesh, patch.index())));
     if (kind == NO_WALL)
     {
       open.append(triangles);
       continue;
     }
-    patches.append(makeWall(patch.name(), kind, velocity));
+    patches.append(makeWall(patch.name(), common, kind, velocity));
     flat = flat && addPlanes(planes, patches.last(), triangles, size);
     patches.last().triangles = withImages(triangles, box, reach);
   }
@@ -259,11 +310,12 @@ vector gravityAtRest(const IOdictionary& dict, const part_box& box, const vector
   return still;
 }
 
-void readFluid
+sph_params readFluid
 (
-  const IOdictionary& dict, const fluidProperties& properties, const vector& still, sph_params& params
+  const IOdictionary& dict, const fluidProperties& properties, const vector& still, const part_box& box, bool solids
 )
 {
+  sph_params params;
   part_params_default(&sph_params_table, &params);
   const wordList elsewhere({"density", "viscosity", "gravity"});
   const wordList where({"transportProperties (rho)", "transportProperties (rho nu)", "g and bodyAcceleration"});
@@ -277,13 +329,15 @@ void readFluid
   params.density = properties.density;
   params.viscosity = properties.viscosity;
   put(params.gravity, properties.drive - still);
-  updateParams(dict, sph_params_table, &params, wordList({"coupling", "fill", "pressure"}));
-  if (params.dimensions == 2)
+  updateParams(dict, sph_params_table, &params, wordList({"coupling", "fill", "walls", "pressure"}));
+  if (params.dimensions == 2 && solids)
   {
     FatalIOErrorInFunction(dict)
         << "entry 'dimensions' can not be 2 with solid particles: volume fraction and drag are those of spheres;"
         << " allowed: 3" << exit(FatalIOError);
   }
+  if (params.dimensions == 2 && !dict.found("depth")) params.depth = box.hi[2] - box.lo[2];
+  return params;
 }
 
 /* ---- fill ------------------------------------------------------------------------------------- */
@@ -301,8 +355,9 @@ struct lattice
   }
 };
 
-static lattice makeLattice(const IOdictionary& dict, const part_box& box, scalar spacing)
+static lattice makeLattice(const IOdictionary& dict, const part_box& box, const sph_params& params)
 {
+  const scalar spacing = params.spacing;
   lattice l;
   vector lo(box.lo[0], box.lo[1], box.lo[2]), hi(box.hi[0], box.hi[1], box.hi[2]);
   if (dict.found("fill"))
@@ -316,7 +371,8 @@ static lattice makeLattice(const IOdictionary& dict, const part_box& box, scalar
   scalar all = 1;
   for (direction d = 0; d < 3; ++d)
   {
-    const scalar cells = std::floor((hi[d] - lo[d])/spacing + 0.5);
+    const scalar cells =
+      d == 2 && params.dimensions == 2 ? scalar(1) : std::floor((hi[d] - lo[d])/spacing + 0.5);
     if (cells < 1)
     {
       FatalIOErrorInFunction(dict)
@@ -335,18 +391,31 @@ static lattice makeLattice(const IOdictionary& dict, const part_box& box, scalar
   return l;
 }
 
-/* Lattice points with their centre in a cell; the same list on every rank, whatever the decomposition. */
+/* Lattice points with their centre in a cell, and room beside it: where a wall cuts through the lattice, a particle just
+ * in front of it would begin with far too many ghosts. The same list on every rank, whatever the decomposition. */
 static std::vector<char> insideMesh(const polyMesh& mesh, const lattice& l)
 {
-  std::vector<char> inside(std::size_t(l.size()), char(0));
+  const scalar room = 0.3; // of a spacing, along the axes
+  const vector offsets[] =
+  {
+    vector(0, 0, 0), vector(room, 0, 0), vector(-room, 0, 0), vector(0, room, 0), vector(0, -room, 0),
+    vector(0, 0, room), vector(0, 0, -room)
+  };
+  std::vector<unsigned char> inside(std::size_t(l.size()), 0);
   const meshSearch search(mesh);
   const boundBox bounds(mesh.points(), false);
   for (label k = 0; k < l.size(); ++k)
   {
-    if (bounds.contains(l.at(k))) inside[k] = search.findCell(l.at(k)) >= 0;
+    for (int o = 0; o < 7; ++o)
+    {
+      const point x(l.at(k) + cmptMultiply(offsets[o], l.side));
+      if (bounds.contains(x) && search.findCell(x) >= 0) inside[k] = static_cast<unsigned char>(inside[k] | 1 << o);
+    }
   }
-  MPI_Allreduce(MPI_IN_PLACE, inside.data(), l.size(), MPI_CHAR, MPI_MAX, particleCommunicator());
-  return inside;
+  MPI_Allreduce(MPI_IN_PLACE, inside.data(), l.size(), MPI_UNSIGNED_CHAR, MPI_BOR, particleCommunicator());
+  std::vector<char> whole(inside.size());
+  for (std::size_t k = 0; k < inside.size(); ++k) whole[k] = inside[k] == 127;
+  return whole;
 }
 
 /* dp = rho d(work) with the density of S.3: rho_0 work but for c, whose fluid would sink until it is that dense. */
@@ -362,7 +431,7 @@ static void fillMesh
   sph_t* sph, const polyMesh& mesh, const IOdictionary& dict, const part_box& box, const sph_params& params
 )
 {
-  const lattice l(makeLattice(dict, box, params.spacing));
+  const lattice l(makeLattice(dict, box, params));
   const std::vector<char> inside(insideMesh(mesh, l));
   DynamicList<label> filled;
   for (label k = 0; k < l.size(); ++k)

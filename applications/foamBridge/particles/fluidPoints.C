@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "fluidPoints.H"
 
-#include "OSspecific.H"
 #include "Time.H"
-#include "lagrangianCloud.H"
-#include "foamMesh.H"
 #include "foamParams.H"
 #include "particleView.H"
 
@@ -58,18 +55,17 @@ void fluidPoints::readCoupling()
   params_.two_way = coupling_.two_way;
 }
 
-void fluidPoints::createExchange(const DynamicList<fluidWall>& walls)
+void fluidPoints::createExchange()
 {
   kernel_.kernel = sphParams_.kernel;
   kernel_.length = params_.coupling_length*sphParams_.smoothing_length;
   kernel_.sph = sph_;
-  const DynamicList<cpl_points_plane> planes(mirrors(walls));
+  const DynamicList<cpl_points_plane> planes(mirrors(walls_));
   mirrored_ = planes.size();
-  hasWalls_ = walls.size() > 0;
   cpl_points_kernel kernel;
   kernel.support = sph_kernel_support(kernel_.kernel)*kernel_.length;
   kernel.value = kernelValue;
-  kernel.gamma = hasWalls_ && planes.empty() ? gamma : nullptr;
+  kernel.gamma = walls_.size() && planes.empty() ? gamma : nullptr;
   kernel.context = &kernel_;
   cpl_fluid fluid;
   fluid.density = properties_.density;
@@ -85,43 +81,22 @@ void fluidPoints::createExchange(const DynamicList<fluidWall>& walls)
   );
 }
 
-static autoPtr<OFstream> openTable(const Time& time)
-{
-  if (!Pstream::master()) return autoPtr<OFstream>();
-  const fileName folder(time.globalPath()/"postProcessing"/"fluid"/time.timeName());
-  mkDir(folder);
-  autoPtr<OFstream> file(new OFstream(folder/"fluid.dat"));
-  file->precision(12);
-  *file << "# Time [s]\tparticles\tsteps\tsuperficial velocity x y z [m/s]\tmax speed [m/s]\tleast eps"
-        << "\tleast pressure [Pa]\tmost pressure [Pa]\tmomentum x y z [N s]\tgravity impulse x y z [N s]"
-        << "\twall impulse x y z [N s]\tsolids' impulse x y z [N s]\tbudget error\texchange error" << endl;
-  return file;
-}
-
 fluidPoints::fluidPoints(const polyMesh& mesh, const vector& gravity, const fluidProperties& properties)
 :
+  fluidPhase(mesh, properties, true),
   system_(mesh, gravity),
-  mesh_(mesh),
-  properties_(properties),
-  sphDict_(readConstant(mesh, "sphProperties")),
   couplingDict_(readConstant(mesh, "couplingProperties")),
   coupling_(),
   params_(),
-  sphParams_(),
-  still_(Zero),
   kernel_(),
-  files_(mesh.time(), "fluid"),
   mirrored_(0),
-  hasWalls_(false),
   clumps_(system_.state().clumps > 0),
-  sph_(nullptr),
   dem_(system_.dem()),
   points_(nullptr),
   view_(),
   fluid_(),
   fluidView_(),
   generation_(-1),
-  steps_(0),
   contactSteps_(0)
 {
   if (system_.params().dimensions == 2)
@@ -131,18 +106,9 @@ fluidPoints::fluidPoints(const polyMesh& mesh, const vector& gravity, const flui
         << " allowed: 3, or demFoam" << exit(FatalIOError);
   }
   readCoupling();
-  still_ = gravityAtRest(sphDict_, system_.box(), properties_.drive);
   for (direction d = 0; d < 3; ++d) params_.still[d] = still_[d];
-  readFluid(sphDict_, properties_, still_, sphParams_);
-  const DynamicList<fluidWall> walls
-  (
-    fluidWalls
-    (
-      mesh, system_.box(), sph_kernel_support(sphParams_.kernel)*sphParams_.smoothing_length, still_ != vector::zero
-    )
-  );
-  sph_ = createFluid(mesh, sphDict_, system_.box(), sphParams_, walls, system_.restarted(), files_.present());
-  createExchange(walls);
+  start(system_.restarted());
+  createExchange();
   locateNow();
   if (!system_.restarted() && params_.two_way)
   {
@@ -151,15 +117,10 @@ fluidPoints::fluidPoints(const polyMesh& mesh, const vector& gravity, const flui
     for (int a = 0; a < fluid_.own; ++a) fluid_.eps[std::size_t(a)*fluid_.mass_stride] = 1;
     checkStatus(sph_displace(sph_, eps.cdata()), sphDict_);
   }
-  table_ = openTable(mesh.time());
-  tabulate();
+  openTable();
 }
 
-fluidPoints::~fluidPoints()
-{
-  cpl_points_destroy(points_);
-  sph_destroy(sph_);
-}
+fluidPoints::~fluidPoints() { cpl_points_destroy(points_); }
 
 /* ---- views ------------------------------------------------------------------------------------ */
 void fluidPoints::look()
@@ -259,79 +220,22 @@ void fluidPoints::advance(scalar dt)
 void fluidPoints::write()
 {
   system_.write();
-  files_.purge();
-  checkStatus(sph_write(sph_, files_.present().c_str(), files_.series().c_str()), "fluidPoints::write");
-  sph_set_time(sph_, mesh_.time().value()); // that of a restart
-  const List<cloudColumn> columns
-  ({
-    {"U", SPH_FIELD_VELOCITY, 1}, {"p", SPH_FIELD_PRESSURE, 1}, {"eps", SPH_FIELD_EPS, 1},
-    {"rho", SPH_FIELD_DENSITY, 1} // superficial
-  });
-  writeLagrangianCloud(mesh_, sph_store(sph_), particleCommunicator(), "fluid", columns);
+  fluidPhase::write();
   generation_ = -1; // a restart finds its pairs anew
 }
 
 /* ---- reports ---------------------------------------------------------------------------------- */
-/* Mean of eps u over the fluid, and the range of pressure; returns the least eps. Collective. */
-scalar fluidPoints::volumeMean(vector& superficial, scalar& least, scalar& most) const
+scalar fluidPoints::exchangeError() const
 {
-  sph_view v;
-  checkStatus(sph_get_view(sph_, &v), "fluidPoints::volumeMean");
-  scalar volume = 0, eps = 1;
-  superficial = Zero;
-  least = GREAT;
-  most = -GREAT;
-  for (int a = 0; a < v.own; ++a)
-  {
-    const std::size_t x = std::size_t(a)*v.xv_stride, m = std::size_t(a)*v.mass_stride;
-    volume += v.volume[x];
-    superficial += v.volume[x]*v.eps[m]*vector(v.velocity[x], v.velocity[x + 1], v.velocity[x + 2]);
-    eps = min(eps, scalar(v.eps[m]));
-    least = min(least, scalar(v.pressure[x]));
-    most = max(most, scalar(v.pressure[x]));
-  }
-  reduce(volume, sumOp<scalar>());
-  reduce(superficial, sumOp<vector>());
-  reduce(eps, minOp<scalar>());
-  reduce(least, minOp<scalar>());
-  reduce(most, maxOp<scalar>());
-  superficial /= max(volume, VSMALL);
-  return eps;
-}
-
-static void put(Ostream& os, const double (&v)[3])
-{
-  for (const double component : v) os << tab << component;
-}
-
-void fluidPoints::tabulate()
-{
-  sph_report r;
-  checkStatus(sph_get_report(sph_, &r), "fluidPoints::tabulate");
-  vector superficial;
-  scalar least, most;
-  const scalar eps = volumeMean(superficial, least, most);
   cpl_budget b = cpl_budget();
-  const bool exchanged = params_.two_way && steps_ > 0;
-  if (exchanged) checkStatus(cpl_points_budget(points_, &b), "fluidPoints::tabulate");
-  if (!table_.valid()) return;
-  OFstream& os = table_();
-  os << mesh_.time().value() << tab << std::to_string(r.particles).c_str() << tab << steps_ << tab
-     << superficial.x() << tab << superficial.y() << tab << superficial.z() << tab << r.max_speed << tab << eps
-     << tab << least << tab << most;
-  put(os, r.momentum);
-  put(os, r.gravity_impulse);
-  put(os, r.wall_impulse);
-  put(os, r.force_impulse);
-  os << tab << r.budget_error << tab << b.error << endl;
+  if (params_.two_way && steps_ > 0) checkStatus(cpl_points_budget(points_, &b), "fluidPoints::exchangeError");
+  return b.error;
 }
 
 void fluidPoints::reportPlan(Ostream& os) const
 {
-  char text[4096];
   system_.reportPlan(os);
-  checkStatus(sph_plan_text(sph_, sizeof text, text), "fluidPoints::reportPlan");
-  os << text;
+  fluidPhase::reportPlan(os);
   if (!params_.two_way) os << "porosity, drag on the fluid | one-way" << nl;
   os << "model, voidFraction, subCells, smoothing, bandwidth of couplingProperties | those of a mesh"
      << " | here: coupling of sphProperties" << nl;
@@ -343,47 +247,39 @@ void fluidPoints::reportPlan(Ostream& os) const
 
 void fluidPoints::report(Ostream& os) const
 {
-  sph_report r;
-  checkStatus(sph_get_report(sph_, &r), "fluidPoints::report");
-  vector superficial;
-  scalar least, most;
-  const scalar eps = volumeMean(superficial, least, most);
   system_.report(os);
   os << nl;
   system_.reportBudget(os);
-  os << nl << "Fluid: " << std::to_string(r.particles).c_str() << " particles, steps " << steps_ << ", max speed "
-     << r.max_speed << " m/s, density " << r.least_density << " to " << r.most_density << " kg/m3, pressure "
-     << least << " to " << most << " Pa, least eps " << eps << nl << "Superficial velocity: " << superficial
-     << " m/s; momentum budget: error " << r.budget_error;
+  os << nl;
+  fluidPhase::report(os);
   cpl_budget b;
   if (params_.two_way && cpl_points_budget(points_, &b) == PART_OK)
   {
-    os << nl << "Exchange: fluid gave (" << b.fluid[0] << ' ' << b.fluid[1] << ' ' << b.fluid[2]
+    os << "Exchange: fluid gave (" << b.fluid[0] << ' ' << b.fluid[1] << ' ' << b.fluid[2]
        << ") N s, particles received (" << b.particles[0] << ' ' << b.particles[1] << ' ' << b.particles[2]
-       << ") N s, error " << b.error;
+       << ") N s, error " << b.error << nl;
   }
   label outside = label(cpl_points_outside_range(points_));
   reduce(outside, sumOp<label>());
   if (outside > 0)
   {
-    os << nl << "Drag law " << cpl_drag_name(params_.drag) << ": " << outside << " particles outside its range";
+    os << "Drag law " << cpl_drag_name(params_.drag) << ": " << outside << " particles outside its range" << nl;
   }
-  os << endl;
+  os << flush;
 }
 
 void fluidPoints::reportTimers(Ostream& os) const
 {
   char text[4096];
   system_.reportTimers(os);
-  checkStatus(part_timers_report(sph_timers(sph_), particleCommunicator(), sizeof text, text), "timers");
-  os << text;
+  fluidPhase::reportTimers(os);
   checkStatus(part_timers_report(cpl_points_timers(points_), particleCommunicator(), sizeof text, text), "timers");
   os << text;
 }
 
 scalar fluidPoints::particleSteps() const
 {
-  return returnReduce(scalar(sph_store(sph_)->local)*steps_, sumOp<scalar>()) + contactSteps_;
+  return fluidPhase::particleSteps() + contactSteps_;
 }
 
 } // namespace Foam

@@ -4,6 +4,7 @@
  *
  *   fluid --sample--> solids --contact steps--> solids --reaction, porosity--> fluid --step-->
  *
+ * Without constant/demProperties the fluid is alone, in three dimensions or in two.
  * deltaT of controlDict is the interval of reports; within it, the steps are those of the fluid (S.15, P.9). */
 #include "Time.H"
 #include "argList.H"
@@ -12,7 +13,8 @@
 #include "polyMesh.H"
 #include "uniformDimensionedFields.H"
 
-#include "fluidPoints.H"
+#include "fieldlessFunctions.H"
+#include "fluidPhase.H"
 #include "foamParams.H"
 #include "particleTables.H"
 #include "progress.H"
@@ -25,23 +27,25 @@ int main(int argc, char* argv[])
   argList::addNote
   (
     "Coupled SPH-DEM: the fluid of constant/transportProperties as smoothed particles (constant/sphProperties),\n"
-    "solids from constant/demProperties, drag law from constant/couplingProperties."
+    "solids from constant/demProperties, drag law from constant/couplingProperties; without these files the fluid alone."
   );
   #include "setRootCaseLists.H"
   #include "createTime.H"
-  if (runTime.controlDict().found("functions"))
-  {
-    Info<< "functions of controlDict are off: they are for fields on the mesh, of which there are none" << nl;
-    runTime.functionObjects().off();
-  }
   #include "createPolyMesh.H"
   #include "readFluidProperties.H"
 
-  fluidPoints fluid(mesh, g.value(), properties);
-  particleTables tables(fluid.system(), runTime);
+  fieldlessFunctions functions(runTime);
+  autoPtr<fluidPhase> scene(fluidPhase::New(mesh, g.value(), properties));
+  fluidPhase& fluid = scene();
+  autoPtr<particleTables> tables;
+  if (fluid.solids() && !functions.found("particleTables"))
+  {
+    tables.reset(new particleTables(*fluid.solids(), runTime));
+  }
   Info<< nl << "Scene plan: skipped | why | saves" << nl;
   fluid.reportPlan(Info);
   Info<< endl;
+  functions.start();
 
   progress pace(runTime);
   while (runTime.run())
@@ -53,7 +57,8 @@ int main(int argc, char* argv[])
 
     fluid.report(Info);
     fluid.tabulate();
-    tables.write();
+    if (tables.valid()) tables->write();
+    functions.execute();
     runTime.write();
     if (runTime.writeTime())
     {
@@ -62,6 +67,7 @@ int main(int argc, char* argv[])
     }
     pace.report(Info, fluid.particleSteps());
   }
+  functions.end();
   fluid.reportTimers(Info);
   Info<< "End" << nl << endl;
   return 0;
