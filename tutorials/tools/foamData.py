@@ -32,11 +32,13 @@ def column(path, shape):
 
 
 def times(case):
-    """Names of the times written, but 0, in order: of the time directories, or of the particles where there are none (demFoam on
+    """Names of the times written, but 0, in order: of the time directories, or of the particles where there are none (demFoam and sphDemFoam on
     several ranks has its fields, which are nobody's, in processor*)."""
     names = [n for n in os.listdir(case) if re.fullmatch(r'[0-9.]+(e-?[0-9]+)?', n) and float(n) > 0]
-    if not names and os.path.isdir(os.path.join(case, 'particles')):
-        names = [n[:-7] for n in os.listdir(os.path.join(case, 'particles')) if re.fullmatch(r'[0-9.]+(e-?[0-9]+)?\.vtkhdf', n)]
+    for folder in ('particles', 'fluid'):
+        if names or not os.path.isdir(os.path.join(case, folder)):
+            continue
+        names = [n[:-7] for n in os.listdir(os.path.join(case, folder)) if re.fullmatch(r'[0-9.]+(e-?[0-9]+)?\.vtkhdf', n)]
     return sorted((n for n in names if float(n) > 0), key=float)
 
 
@@ -80,10 +82,10 @@ def particles(case, time):
         return group['Points'][:], 2 * group['PointData/radius'][:]
 
 
-def particle_data(case, time):
-    """All arrays of particles/<time>.vtkhdf by name ('Points': centres), rows in the order of id."""
+def particle_data(case, time, folder='particles'):
+    """All arrays of particles/<time>.vtkhdf (folder 'fluid': of those of a fluid) by name ('Points': centres), rows in the order of id."""
     import h5py
-    with h5py.File(os.path.join(case, 'particles', time + '.vtkhdf'), 'r') as source:
+    with h5py.File(os.path.join(case, folder, time + '.vtkhdf'), 'r') as source:
         found = {name: value[:] for name, value in source['VTKHDF/PointData'].items()}
         found['Points'] = source['VTKHDF/Points'][:]
     order = np.argsort(found['id'])
