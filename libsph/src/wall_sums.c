@@ -177,8 +177,8 @@ static void force_by_table(sph_t *sph, int i, const sph_seer *s) {
   const double mu = 2.0 * m[2] * (p->viscosity_model == SPH_MORRIS ? p->viscosity : 0.0);
   const double shear =
       slips ? 0.0 : mu * (t[SPH_TABLE_VISCOUS] + per_distance * t[SPH_TABLE_VISCOUS_DEPTH]);
-  const double along = -2.0 * factor * x[7] * t[SPH_TABLE_GRADIENT] + relative * t[SPH_TABLE_NORMAL] * g_n +
-                       mu * t[SPH_TABLE_VISCOUS] * normal +
+  const double along = -2.0 * factor * x[7] * t[SPH_TABLE_GRADIENT] +
+                       relative * t[SPH_TABLE_NORMAL] * g_n + mu * t[SPH_TABLE_VISCOUS] * normal +
                        m[2] * p->density * p->artificial_viscosity * p->sound_speed *
                            p->smoothing_length * fmin(normal, 0.0) * t[SPH_TABLE_APPROACH];
   for (int c = 0; c < 3; c++)
