@@ -110,8 +110,8 @@ static inline void line_set(const double a[3], const double b[3], line *l) {
   l->length2 = dot(u, u);
 }
 
-/* The disc of radius^2 r2 in the plane of normal n lies surely on the outer side of a line: then the
- * deficit of a polygon with this edge is 0. Without a root or a division; what round-off could
+/* The disc of radius^2 r2 in the plane of normal n lies surely on the outer side of a line: then
+ * the deficit of a polygon with this edge is 0. Without a root or a division; what round-off could
  * decide otherwise is left to cpl_polygon_deficit. */
 static inline int disc_outside(const double n[3], double r2, const line *l, double sign) {
   const double d = sign * dot(n, l->m);
@@ -266,8 +266,8 @@ static void visit_face(walk *w, int cell, int code) {
 
 enum { AHEAD = 32 }; /* faces whose corners are on their way from memory */
 
-/* Codes of the faces of a cell from *at on that the ball may meet, and whose other side has not done
- * them; their corners are asked for. Waiting for memory was a fifth of the time. */
+/* Codes of the faces of a cell from *at on that the ball may meet, and whose other side has not
+ * done them; their corners are asked for. Waiting for memory was a fifth of the time. */
 static int near_faces(const walk *w, int cell, int *at, int list[AHEAD]) {
   const cpl_search *s = w->s;
   const int end = s->cell_face_start[cell + 1];

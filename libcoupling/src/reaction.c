@@ -110,6 +110,25 @@ static void settle(const cpl_t *cpl, const cpl_particles *p, double dt, double *
   }
 }
 
+/* No particle can move: what the cells' particles got together, without a pass over them. */
+static void settle_cells(const cpl_t *cpl, double dt, double *sum) {
+  const int extra = cpl_uses_extra(&cpl->params);
+  double solid = 0.0, weight[3];
+  for (int i = 0; i < cpl->count; i++)
+    solid += cpl->volume.data[i];
+  for (int d = 0; d < 3; d++) {
+    weight[d] = -cpl->fluid.density * solid * cpl->fluid.gravity[d] * dt;
+    sum[FLUID + d] += weight[d];
+    sum[PARTICLES + d] += weight[d];
+  }
+  sum[BUOYANCY] += norm3(weight);
+  for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++)
+    for (size_t d = 0; d < 3; d++)
+      sum[PARTICLES + d] += cpl->cell_work.data[6 * c + d] * cpl->share.data[c] +
+                            cpl->cell_work.data[6 * c + 3 + d] * cpl->solid.data[c] +
+                            (extra ? cpl->extra_cell.data[3 * c + d] * dt : 0.0);
+}
+
 static void close_budget(cpl_t *cpl, const double *drag, const double *volume, double *sum) {
   for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
     const double *r = drag ? drag + 3 * c : ZERO, *q = volume ? volume + 3 * c : ZERO;
@@ -131,7 +150,9 @@ static void close_budget(cpl_t *cpl, const double *drag, const double *volume, d
   cpl->has_budget = 1;
 }
 
-static int check_reaction(const cpl_t *cpl, double dt) {
+static int check_reaction(const cpl_t *cpl, double dt, const double *kick) {
+  if (!kick && cpl->wake)
+    return part_fail(PART_ERR_ARGUMENT, "cpl_reaction: selfDisturbance needs the kicks");
   if (!cpl->params.two_way)
     return part_fail(PART_ERR_STATE, "cpl_reaction: twoWay is off: the fluid gives nothing up");
   if (cpl->stamp == 0 || cpl->source_stamp != cpl->stamp || cpl->solid_stamp != cpl->stamp)
@@ -144,7 +165,7 @@ static int check_reaction(const cpl_t *cpl, double dt) {
 
 static int reaction(cpl_t *cpl, const cpl_particles *particles, const double *drag,
                     const double *volume, double dt, double *kick) {
-  int status = check_reaction(cpl, dt);
+  int status = check_reaction(cpl, dt, kick);
   if (status == PART_OK)
     status = CPL_RESERVE(cpl->cell_work, 6 * (size_t)cpl->mesh.cells);
   if (status == PART_OK)
@@ -154,11 +175,15 @@ static int reaction(cpl_t *cpl, const cpl_particles *particles, const double *dr
   if (status == PART_OK)
     status = divide(cpl, drag, volume, dt);
   PART_TRY(cpl_agree(cpl, status));
-  if (cpl->wake)
-    PART_TRY(cpl_wake_spread(cpl)); /* the particles have moved since cpl_sample_fluid */
-  PART_TRY(share_out(cpl, particles, dt, kick));
   double sum[TERMS] = {0.0};
-  settle(cpl, particles, dt, kick, sum);
+  if (kick) {
+    if (cpl->wake)
+      PART_TRY(cpl_wake_spread(cpl)); /* the particles have moved since cpl_sample_fluid */
+    PART_TRY(share_out(cpl, particles, dt, kick));
+    settle(cpl, particles, dt, kick, sum);
+  } else {
+    settle_cells(cpl, dt, sum);
+  }
   close_budget(cpl, drag, volume, sum);
   return PART_OK;
 }

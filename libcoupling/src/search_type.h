@@ -9,8 +9,8 @@ typedef struct cpl_tensor cpl_tensor; /* tensor_grid.h */
 typedef struct cpl_hexes cpl_hexes;   /* sub_cell.h */
 
 /* Where a face can be: within `thickness` of the plane through c with unit normal n (owner to
- * neighbour), and within `reach` of c = its face centre, both rounded up. One cache line: most faces
- * near a sphere are read here and not met. */
+ * neighbour), and within `reach` of c = its face centre, both rounded up. One cache line: most
+ * faces near a sphere are read here and not met. */
 typedef struct cpl_face_plane {
   double n[3], c[3];
   float thickness, reach;
@@ -25,8 +25,8 @@ struct cpl_search {
   double round_off;    /* m: of coordinates; faces this close to a plane are on it */
   double tie;          /* m: points this close to a face are on it */
 
-  cpl_face_plane *plane;   /* [faces] */
-  double (*corner)[3];     /* of each face in a row, see cpl_face_plane; NULL for a tensor grid */
+  cpl_face_plane *plane; /* [faces] */
+  double (*corner)[3];   /* of each face in a row, see cpl_face_plane; NULL for a tensor grid */
 
   int *cell_face_start, *cell_face; /* faces of each cell; ~f when the cell is the neighbour */
   double (*bound)[6];               /* [cells] lo, hi of each cell */

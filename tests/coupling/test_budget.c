@@ -177,6 +177,19 @@ static void test_budget_closes(void **state) {
           assert_near(budget.fluid[d], fluid, 1e-13 * size);
           assert_near(budget.particles[d], particles, 1e-13 * size);
         }
+        /* without kicks: the same budget, by cells */
+        cpl_budget cells_only;
+        assert_int_equal(cpl_reaction(s.cpl, &s.view, drag, volume, dt, NULL), PART_OK);
+        assert_int_equal(cpl_get_budget(s.cpl, &cells_only), PART_OK);
+        assert_true(cells_only.error < 1e-13);
+        for (int d = 0; d < 3; d++) {
+          double size = 0;
+          for (size_t c = 0; c < 3 * cells; c++)
+            size += fabs(drag[c]) + fabs(volume[c]);
+          size = sum_over(s.comm, size) + fabs(budget.fluid[d]);
+          assert_near(cells_only.fluid[d], budget.fluid[d], 1e-13 * size);
+          assert_near(cells_only.particles[d], budget.particles[d], 1e-13 * size);
+        }
         free(drag);
         free(volume);
         free(kick);

@@ -29,12 +29,9 @@ static void test_names(void **state) {
   const struct {
     const char *entry, *word;
     int value;
-  } choice[] = {{"model", "B", CPL_MODEL_B},
-                {"model", "A", CPL_MODEL_A},
-                {"model", "Bfull", CPL_MODEL_BFULL},
-                {"voidFraction", "exact", 0},
-                {"voidFraction", "subCell", 1},
-                {"voidFraction", "centre", 2},
+  } choice[] = {{"model", "B", CPL_MODEL_B},         {"model", "A", CPL_MODEL_A},
+                {"model", "Bfull", CPL_MODEL_BFULL}, {"voidFraction", "exact", 0},
+                {"voidFraction", "subCell", 1},      {"voidFraction", "centre", 2},
                 {"voidFraction", "kernel", 3}};
   for (size_t k = 0; k < sizeof choice / sizeof *choice; k++) {
     assert_int_equal(part_params_set(&cpl_params_table, choice[k].entry, NULL, choice[k].word, &p),
@@ -47,6 +44,50 @@ static void test_names(void **state) {
     assert_int_equal(p.drag, k);
   }
   assert_int_equal(part_params_check(&cpl_params_table, &p), PART_OK);
+}
+
+/* Drag force per slip, and eps at least, are those of the new parameters; what can not change
+ * leaves all as it was. */
+static void test_change(void **state) {
+  (void)state;
+  scene s;
+  const mesh_options o = MESH_UNIT(MESH_HEX, 3, 3, 3);
+  const particle one = {.x = {0.5, 0.5, 0.5}, .r = 0.15, .density = 2500.0};
+  const cpl_fluid water = {1000.0, 1e-3, {0.0, 0.0, 0.0}};
+  cpl_params p = scene_params();
+  assert_int_equal(part_params_set(&cpl_params_table, "drag", NULL, "stokes", &p), PART_OK);
+  scene_mesh(&s, MPI_COMM_WORLD, &o, 0);
+  assert_int_equal(scene_start(&s, &p, &water), PART_OK);
+  scene_particles(&s, 1, &one, 0, 0);
+  scene_fluid(&s);
+  double before[2];
+  for (int k = 0; k < 2; k++) {
+    assert_int_equal(cpl_locate(s.cpl, &s.view), PART_OK);
+    assert_int_equal(cpl_void_fraction(s.cpl, &s.view, &s.cells, NULL), PART_OK);
+    assert_int_equal(cpl_sample_fluid(s.cpl, &s.view, &s.cells), PART_OK);
+    assert_int_equal(cpl_fluid_force(s.cpl, &s.view), PART_OK);
+    before[k] = s.view.count > 0 ? s.view.fluid_sp[0] : 0.0;
+    assert_int_equal(part_params_set(&cpl_params_table, "drag", NULL, "schillerNaumann", &p),
+                     PART_OK);
+    assert_int_equal(cpl_change_params(s.cpl, &p), PART_OK);
+  }
+  assert_true(s.view.count == 0 || before[1] > 1.5 * before[0]);
+  cpl_params other = p;
+  other.model = CPL_MODEL_B;
+  other.drag = 0;
+  assert_int_equal(cpl_change_params(s.cpl, &other), PART_ERR_ARGUMENT);
+  assert_non_null(strstr(part_last_error(), "'model'"));
+  assert_int_equal(cpl_fluid_force(s.cpl, &s.view), PART_OK);
+  assert_true(s.view.count == 0 || s.view.fluid_sp[0] == before[1]); /* nothing has changed */
+  p.minimum_eps = 0.999;
+  p.overfull = CPL_OVERFULL_ERROR;
+  assert_int_equal(cpl_change_params(s.cpl, &p), PART_OK);
+  assert_int_equal(cpl_void_fraction(s.cpl, &s.view, &s.cells, NULL), PART_ERR_RANGE);
+  p.overfull = CPL_OVERFULL_SPREAD;
+  assert_int_equal(cpl_change_params(s.cpl, &p), PART_OK);
+  p.minimum_eps = 2.0;
+  assert_int_equal(cpl_change_params(s.cpl, &p), PART_ERR_RANGE);
+  scene_free(&s);
 }
 
 static void test_errors(void **state) {
@@ -135,9 +176,10 @@ static void test_plan(void **state) {
 int main(int argc, char **argv) {
   MPI_Init(&argc, &argv);
   const struct CMUnitTest tests[] = {
-      cmocka_unit_test(test_defaults), cmocka_unit_test(test_names),
-      cmocka_unit_test(test_errors),   cmocka_unit_test(test_create_refuses),
-      cmocka_unit_test(test_no_cells), cmocka_unit_test(test_plan),
+      cmocka_unit_test(test_defaults),       cmocka_unit_test(test_names),
+      cmocka_unit_test(test_change),         cmocka_unit_test(test_errors),
+      cmocka_unit_test(test_create_refuses), cmocka_unit_test(test_no_cells),
+      cmocka_unit_test(test_plan),
   };
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);
   MPI_Finalize();

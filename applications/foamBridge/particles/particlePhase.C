@@ -66,7 +66,15 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
   system_(mesh, fluid.gravity, carriedVectors(mesh)),
   mesh_(mesh),
   fluid_(fluid),
-  couplingDict_(readConstant(mesh, "couplingProperties")),
+  couplingDict_
+  (
+    IOobject
+    (
+      "couplingProperties", mesh.time().constant(), mesh, IOobject::MUST_READ_IF_MODIFIED, IOobject::NO_WRITE
+    )
+  ),
+  couplingDigest_(couplingDict_.digest()),
+  frozenDigest_(couplingDict_.subOrEmptyDict("frozenFlow").digest()),
   meshView_(mesh),
   params_(),
   dem_(system_.dem()),
@@ -195,6 +203,54 @@ bool particlePhase::start(volScalarField& eps, volVectorField& vp)
   return false;
 }
 
+/* What the edited dictionary asks for: of the entries that may change the new values, of the others
+ * those in use, each difference named. */
+static cpl_params changed(const dictionary& dict, const cpl_params& now)
+{
+  cpl_params wanted;
+  readParams(dict, cpl_params_table, &wanted, wordList({"frozenFlow"}));
+  for (int i = 0; i < cpl_params_table.count; ++i)
+  {
+    const part_param& row = cpl_params_table.rows[i];
+    if (!cpl_param_differs(&row, &now, &wanted)) continue;
+    if (!cpl_may_change(row.name))
+    {
+      FatalIOErrorInFunction(dict)
+          << "entry '" << row.name << "' can not change in a run; those that can: drag, minimumEps, overfull"
+          << exit(FatalIOError);
+    }
+  }
+  return wanted;
+}
+
+void particlePhase::modify()
+{
+  const SHA1Digest digest(couplingDict_.digest());
+  if (digest == couplingDigest_) return;
+  couplingDigest_ = digest;
+  const bool throwing = FatalIOError.throwExceptions();
+  try
+  {
+    const cpl_params wanted(changed(couplingDict_, params_));
+    if (couplingDict_.subOrEmptyDict("frozenFlow").digest() != frozenDigest_)
+    {
+      FatalIOErrorInFunction(couplingDict_) << "frozenFlow can not change in a run" << exit(FatalIOError);
+    }
+    checkStatus(cpl_change_params(cpl_, &wanted), couplingDict_);
+    params_ = wanted;
+    deposited_ = false;
+    Info<< "couplingProperties has changed: drag " << cpl_drag_name(params_.drag) << ", minimumEps "
+        << params_.minimum_eps << ", overfull "
+        << (params_.overfull == CPL_OVERFULL_SPREAD ? "spread" : "error") << nl;
+  }
+  catch (const IOerror& err)
+  {
+    WarningInFunction
+        << "couplingProperties has changed, and is ignored; the run goes on with what it had:" << nl << err.message() << endl;
+  }
+  FatalIOError.throwExceptions(throwing);
+}
+
 void particlePhase::begin(scalar dt, const volVectorField& U, const volVectorField& stress)
 {
   locate();
@@ -293,13 +349,17 @@ void particlePhase::react
   {
     volumeImpulse += fluid_.density*dt*V*(1 - epsParticles_.primitiveField())*stress.primitiveField();
   }
-  kick_.setSize(3*view_.count);
+  const bool kicks = !still_ || params_.self_disturbance;
+  kick_.setSize(3*view_.count + 1);
   checkStatus
   (
-    cpl_reaction(cpl_, &view_, data(dragImpulse), data(volumeImpulse), dt, kick_.data()),
+    cpl_reaction
+    (
+      cpl_, &view_, data(dragImpulse), data(volumeImpulse), dt, kicks ? kick_.data() : nullptr
+    ),
     "particlePhase::react"
   );
-  system_.kick(kick_.cdata());
+  if (kicks) system_.kick(kick_.cdata());
 }
 
 scalar particlePhase::courant(scalar dt) const
@@ -319,6 +379,10 @@ void particlePhase::reportPlan(Ostream& os) const
   char text[4096];
   system_.reportPlan(os);
   if (still_) os << "locate, void fraction | no particle can move | worked out once" << nl;
+  if (still_ && params_.two_way && !params_.self_disturbance)
+  {
+    os << "reaction per particle | no particle can move | the budget is that of the cells" << nl;
+  }
   checkStatus(cpl_plan_text(cpl_, sizeof text, text), "particlePhase::reportPlan");
   os << text;
 }

@@ -51,6 +51,7 @@ int main(int argc, char* argv[])
   while (runTime.run())
   {
     stage.next("step size");
+    solids.modify();
     #include "readTimeControls.H"
     #include "mixtureCourant.H"
     #include "setDeltaT.H"

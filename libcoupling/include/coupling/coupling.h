@@ -102,7 +102,7 @@ typedef enum {
   CPL_MODEL_A,
   CPL_MODEL_B,
   CPL_MODEL_BFULL /* set I of Zhou et al. 2010: another grouping of A's terms, run as A (C.8) */
-} cpl_model; /* Feng and Yu 2004; momentum scheme (2), (9) */
+} cpl_model;      /* Feng and Yu 2004; momentum scheme (2), (9) */
 
 enum { CPL_OVERFULL_SPREAD, CPL_OVERFULL_ERROR };
 
@@ -138,7 +138,7 @@ typedef struct cpl_drag_range {
 int cpl_drag_count(void);
 const char *cpl_drag_name(int law);
 cpl_drag_law cpl_drag_function(int law);
-int cpl_drag_needs_sizes(int law); /* 1: the law takes the mean diameter around */
+int cpl_drag_needs_sizes(int law);                /* 1: the law takes the mean diameter around */
 const cpl_drag_range *cpl_drag_range_of(int law); /* NULL: no such row */
 
 /* ---- life ----------------------------------------------------------------------------------- */
@@ -148,6 +148,13 @@ int cpl_create(MPI_Comm comm, const cpl_mesh *mesh, const part_box *box, const c
                const cpl_fluid *fluid, cpl_t **cpl);
 void cpl_destroy(cpl_t *cpl);
 part_timers *cpl_timers(cpl_t *cpl);
+/* Collective, between steps; cpl_void_fraction must follow before the next cpl_reaction. Only drag,
+ * minimumEps and overfull may differ from what they are: ERR_ARGUMENT names another entry that
+ * does, and nothing has changed then. */
+int cpl_change_params(cpl_t *cpl, const cpl_params *params);
+int cpl_may_change(const char *entry); /* 1: cpl_change_params takes another value of it */
+/* 1: the values of a row of cpl_params_table differ. */
+int cpl_param_differs(const part_param *row, const cpl_params *a, const cpl_params *b);
 /* Scene plan lines "what | why | saves". */
 int cpl_plan_text(const cpl_t *cpl, size_t size, char *text);
 
@@ -163,15 +170,15 @@ int cpl_void_fraction(cpl_t *cpl, const cpl_particles *particles, cpl_cells *cel
 /* Collective. Sample eps, U, grad p, div tau at the particles (kept inside until the next call). */
 int cpl_sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_cells *cells);
 /* Local. F = Su - Sp v into the particle view: drag, pressure gradient with buoyancy, stress. A
- * particle with a drag_radius is a part of a body of that radius: it has the share of the body's drag
- * that it has of its volume, (radius/drag_radius)^3. */
+ * particle with a drag_radius is a part of a body of that radius: it has the share of the body's
+ * drag that it has of its volume, (radius/drag_radius)^3. */
 int cpl_fluid_force(cpl_t *cpl, cpl_particles *particles);
 /* rotationalDrag: [count][4] of the last cpl_fluid_force, curl u/2 at the particle (1/s) and k (N m
  * s): the fluid turns it with the torque k (curl u/2 - omega). NULL: off. The couple on the fluid,
  * which has no momentum, is not given back. */
 const double *cpl_turning(const cpl_t *cpl);
-/* Of the last cpl_void_fraction, all ranks: cells that solids would have left less than minimumEps, and
- * the volume (m3) that was moved from them to their neighbours (overfull spread). */
+/* Of the last cpl_void_fraction, all ranks: cells that solids would have left less than minimumEps,
+ * and the volume (m3) that was moved from them to their neighbours (overfull spread). */
 void cpl_overfull_of(const cpl_t *cpl, long long *cells, double *volume);
 /* Own particles of the last cpl_fluid_force where the drag law was outside its range. */
 int64_t cpl_outside_range(const cpl_t *cpl);
