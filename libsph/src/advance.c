@@ -72,6 +72,27 @@ static double own_speed(const sph_t *sph) {
   return sqrt(most);
 }
 
+/* Says which own particle it is that goes so far. */
+static int too_far(const sph_t *sph) {
+  int fastest = 0;
+  double most = -1.0;
+  for (int i = 0; i < sph->store->local; i++) {
+    const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
+    const double v2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+    if (v2 > most) {
+      most = v2;
+      fastest = i;
+    }
+  }
+  const double *x = sph_xv(sph) + SPH_XV * (size_t)fastest;
+  return part_fail(
+      PART_ERR_NUMERIC,
+      "particle %lld at (%g %g %g) m, time %g s, velocity (%g %g %g) m/s would move by "
+      "more than half the skin of %g m in one step: skinFraction is too small, or the "
+      "speed of sound, or the step too long",
+      (long long)sph_id(sph, fastest), x[0], x[1], x[2], sph->time, x[4], x[5], x[6], sph->skin);
+}
+
 /* Lists that hold until particles have moved by `way` more (m). With XSPH a particle goes no
  * farther than the fastest of its neighbourhood, for S.11 with V W summing to about 1; 2 is ample.
  * Collective. NaN counts as far, and is found by the check of the state. */
@@ -79,14 +100,12 @@ static int make_sure_of_lists(sph_t *sph, double way) {
   way *= 1.0 + 2.0 * sph->params.xsph + sph_shift_room(sph);
   if (!(way <= 0.5 * sph->skin))
     way = HUGE_VAL;
+  const int own = isinf(way);
   if (MPI_Allreduce(MPI_IN_PLACE, &way, 1, MPI_DOUBLE, MPI_MAX, sph->comm) != MPI_SUCCESS)
     return part_fail(PART_ERR_MPI, "a maximum over ranks failed");
   if (isinf(way)) {
     PART_TRY(sph_check_state(sph));
-    return part_fail(PART_ERR_NUMERIC,
-                     "time %g s: a particle would move by more than half the skin of %g m in one "
-                     "step: skinFraction is too small, or the speed of sound",
-                     sph->time, sph->skin);
+    return part_agree(sph->comm, own ? too_far(sph) : PART_OK);
   }
   if (sph->travel + way > 0.5 * sph->skin)
     PART_TRY(sph_rebuild(sph, 0));
