@@ -219,6 +219,11 @@ def table(rows, out):
             r['found'], r['closed'], 100 * r['error'], r['seconds'], '  (quick)' if r['quick'] else '')), file=out)
 
 
+def decades(limits):
+    """Whole decades around them, so that the axis has numbers at these alone."""
+    return 10 ** np.floor(np.log10(limits[0])), 10 ** np.ceil(np.log10(limits[1]))
+
+
 def draw(rows, path):
     from figures import CLOSED, COMPUTED, plt
     cases = [c for c in STUDIES if any(r['case'] == c and 'failed' not in r for r in rows)]
@@ -234,7 +239,7 @@ def draw(rows, path):
                 ax.loglog(x, y, mark + '-', color=colour, label=solver)
                 for r, a, b in zip(points, x, y):
                     ax.annotate(r['resolution'], (a, b), textcoords='offset points', xytext=(4, 4), fontsize=7, color=colour)
-        ax.set(title=case, xlabel='processor time, s')
+        ax.set(title=case, xlabel='processor time, s', xlim=decades(ax.get_xlim()), ylim=decades(ax.get_ylim()))
     axes[0][0].set_ylabel('error of the speed, %')
     axes[0][0].legend(fontsize=8)
     figure.tight_layout()
