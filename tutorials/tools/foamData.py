@@ -147,20 +147,22 @@ def difference(computed, closed):
 
 
 def print_table(rows, out=None, compared='closed form', published='paper'):
-    """Rows of Results as a text table."""
-    head = ('case', 'quantity', 'unit', 'computed', compared, 'difference', published, 'run time')
-    lines, last = [head], None
+    """Rows of Results as a text table; those of a comparison have their method, too."""
+    methods = any('method' in r for r in rows)
+    lines = [('case', 'quantity', 'unit') + ('method',) * methods + ('computed', compared, 'difference', published, 'run time')]
+    last, timed = None, set()
     for r in rows:
         number = '%.{}g'.format(r['digits'])
-        closed = r['closed']
-        lines.append((
-            r['case'] if r['case'] != last else '', r['quantity'], r['unit'],
-            number % r['computed'] + ('' if r['good'] else ' (!)'),
-            '-' if closed is None else number % closed,
-            difference(r['computed'], closed),
-            r['paper'] or '-', '%.0f s' % r['seconds'] if r['case'] != last else ''))
+        closed, run = r['closed'], (r['case'], r.get('method'))
+        lines.append(
+            (r['case'] if r['case'] != last else '', r['quantity'], r['unit']) + (r.get('method', '-'),) * methods + (
+                number % r['computed'] + ('' if r['good'] else ' (!)'),
+                '-' if closed is None else number % closed,
+                difference(r['computed'], closed),
+                r['paper'] or '-', '%.0f s' % r['seconds'] if run not in timed else ''))
         last = r['case']
-    widths = [max(len(line[k]) for line in lines) for k in range(len(head))]
+        timed.add(run)
+    widths = [max(len(line[k]) for line in lines) for k in range(len(lines[0]))]
     for k, line in enumerate(lines):
         print('  '.join(word.ljust(width) for word, width in zip(line, widths)).rstrip(), file=out)
         if k == 0:

@@ -3,18 +3,19 @@
 # For the Allrun of a case (bash, "set -eu", current directory the case):
 #
 #   source ../../tools/functions.sh
-#   caseOptions "$@"              -parallel N, -noPlot, -h (prints the comment at the top of Allrun)
+#   caseOptions "$@"              -parallel N, -noPlot, -sph (where the case has a fluid for it), -h (prints the comment at the top of Allrun)
 #   copyCase runs/a               a fresh copy of the case, without results; goes there
 #   setEntry FILE ENTRY VALUE     of a dictionary
 #   runStage blockMesh            a command; output in log.<command>; stops with the end of the log if it fails
 #   runSolver cfdDemFoam          the same on $RANKS ranks, with decomposePar, reconstructPar and progress lines
+#   runSph                        the case with its fluid as particles, sphDemFoam in runs/sph, and ./plotSph
 #   runPlot                       ./plot with $PYTHON
 #   runRender                     ./render with $PYTHON, where there is a display, real or virtual
 
 TUTORIALS=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd -P)
 source "$TUTORIALS/../etc/bashrc"
 
-RANKS=1 PLOT=1 SOLVER_PID=
+RANKS=1 PLOT=1 SPH=0 SOLVER_PID=
 trap '[ -z "$SOLVER_PID" ] || kill "$SOLVER_PID" 2>/dev/null || true' EXIT
 trap 'exit 130' INT TERM
 
@@ -23,7 +24,12 @@ fail() { # message
   exit 1
 }
 
-caseName() { basename "$PWD"; }
+caseName() { # a copy in runs/ has the name of its case before its own
+  case $PWD in
+    */runs/*) basename "${PWD%/runs/*}" | tr '\n' ' '; basename "$PWD" ;;
+    *) basename "$PWD" ;;
+  esac
+}
 
 caseOptions() {
   while [ $# -gt 0 ]; do
@@ -33,8 +39,11 @@ caseOptions() {
         case $RANKS in '' | *[!0-9]* | 0) fail "-parallel needs a number of ranks, not '$RANKS'" ;; esac
         shift 2 ;;
       -noPlot) PLOT=0; shift ;;
+      -sph)
+        [ -f constant/sphProperties ] || fail "-sph: the case has no constant/sphProperties"
+        SPH=1; shift ;;
       -h | -help | --help) sed -n '/^#!/d;/^#/!q;/SPDX/d;/^#$/d;s/^# //p' "$0"; exit 0 ;;
-      *) fail "unknown option '$1'; valid: -parallel N, -noPlot, -h" ;;
+      *) fail "unknown option '$1'; valid: -parallel N, -noPlot, -sph (with constant/sphProperties), -h" ;;
     esac
   done
 }
@@ -68,7 +77,7 @@ _progress() { # log
   case $percent in '' | *[!0-9]*) return 0 ;; esac
   [ $((percent / 10)) -gt $((_last / 10)) ] || return 0
   _last=$percent
-  printf '  %-22s %3d %%   time left %s\n' "$(caseName)" "$percent" "${line##*time left }"
+  printf '  %-25s %3d %%   time left %s\n' "$(caseName)" "$percent" "${line##*time left }"
 }
 
 runSolver() { # solver [options]
@@ -95,6 +104,15 @@ runSolver() { # solver [options]
   fi
   # Without fields there is nothing that reconstructPar (which wants fvSchemes) is needed for: particles/ is whole
   if [ "$RANKS" -gt 1 ] && [ -f system/fvSchemes ]; then runStage reconstructPar; fi
+}
+
+runSph() {
+  local here=$PWD
+  copyCase runs/sph
+  runStage blockMesh
+  runSolver sphDemFoam
+  cd "$here"
+  [ "$PLOT" = 0 ] || "$PYTHON" ./plotSph
 }
 
 runPlot() {

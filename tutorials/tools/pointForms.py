@@ -5,6 +5,9 @@ The porosity is that of P.3 with the kernel's mean over each sphere (P.1), avera
 the height alone: eps(z), what a sphere of each layer samples of it and of the velocity, the balance of forces of the form
 `combined` (P.7). Wendland C2; the layers are far from the ends of the column. SI units.
 """
+import os
+import re
+
 import numpy as np
 
 from closedForms import G, di_felice, root, sphere
@@ -62,3 +65,25 @@ def settling_speed(block, layers, excess):
     """Speed of the block in a closed column; excess: density of the spheres over that of the fluid, kg/m3."""
     weight = layers * block.n * sphere(block.d) * excess * G
     return root(lambda w: block.force(w) - weight, 1e-5, 10.0)
+
+
+def fluid_fraction(length, diameter, n=81):
+    """eps_i of one sphere in an unbounded fluid, two-way: the sphere's own volume, spread by the kernel's mean over it and seen
+    through the same (P.3, P.5). Integrals over a cube of n^3 points."""
+    reach = 2 * length + diameter / 2
+    x = np.linspace(-reach, reach, n)
+    r = np.sqrt(x[:, None, None] ** 2 + x[None, :, None] ** 2 + x[None, None, :] ** 2)
+    z, flat = kernel(length, diameter)
+    half = z >= 0
+    density = np.gradient(flat[half], z[half])          # K(r) = -(d flat/dr)/(2 pi r): flat is K integrated over a plane
+    weight = np.interp(r, z[half][1:], -density[1:] / (2 * np.pi * z[half][1:]), right=0)
+    step = (x[1] - x[0]) ** 3
+    weight /= weight.sum() * step
+    return 1 - sphere(diameter) * (weight ** 2).sum() * step
+
+
+def coupling_length(case):
+    """Length of the exchange's kernel from constant/sphProperties, m (P.1)."""
+    with open(os.path.join(case, 'constant', 'sphProperties')) as source:
+        entries = dict(re.findall(r'^\s*(\w+)\s+([-+.\deE]+)\s*;', source.read(), re.M))
+    return float(entries.get('couplingLength', 2)) * float(entries['smoothingLength'])
