@@ -8,7 +8,7 @@
 #   setEntry FILE ENTRY VALUE     of a dictionary
 #   runStage blockMesh            a command; output in log.<command>; stops with the end of the log if it fails
 #   runSolver cfdDemFoam          the same on $RANKS ranks, with decomposePar, reconstructPar and progress lines
-#   runSph                        the case with its fluid as particles, sphDemFoam in runs/sph, and ./plotSph
+#   runSph [END]                  the case with its fluid as particles, sphDemFoam in runs/sph until END (s), and ./plotSph
 #   runPlot                       ./plot with $PYTHON
 #   runRender                     ./render with $PYTHON, where there is a display, real or virtual
 
@@ -109,6 +109,7 @@ runSolver() { # solver [options]
 runSph() {
   local here=$PWD
   copyCase runs/sph
+  [ $# = 0 ] || setEntry system/controlDict endTime "$1"
   runStage blockMesh
   runSolver sphDemFoam
   cd "$here"

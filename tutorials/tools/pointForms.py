@@ -85,5 +85,5 @@ def fluid_fraction(length, diameter, n=81):
 def coupling_length(case):
     """Length of the exchange's kernel from constant/sphProperties, m (P.1)."""
     with open(os.path.join(case, 'constant', 'sphProperties')) as source:
-        entries = dict(re.findall(r'^\s*(\w+)\s+([-+.\deE]+)\s*;', source.read(), re.M))
+        entries = dict(re.findall(r'(\w+)\s+([-+.\deE]+)\s*;', source.read()))
     return float(entries.get('couplingLength', 2)) * float(entries['smoothingLength'])
