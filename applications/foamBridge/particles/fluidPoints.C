@@ -35,7 +35,7 @@ void fluidPoints::readCoupling()
   readParams(couplingDict_, cpl_params_table, &coupling_);
   const wordList forces
   ({
-    "saffmanLift", "magnusLift", "rotationalDrag", "viscousStress", "selfDisturbance"
+    "saffmanLift", "magnusLift", "rotationalDrag", "virtualMass", "viscousStress", "selfDisturbance"
   });
   for (const word& force : forces)
   {

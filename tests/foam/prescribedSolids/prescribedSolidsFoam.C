@@ -68,7 +68,7 @@ int main(int argc, char* argv[])
   );
 
   prescribedSolids solids(mesh);
-  mixtureScheme scheme(mesh, model, eps, vp, ap, D, G, bodyAcceleration);
+  mixtureScheme scheme(mesh, model, eps, vp, ap, answer, D, G, bodyAcceleration);
   auto updateSolids = [&]()
   {
     solids.update(runTime.value(), nu.value(), j, eps, vp, D, G);
