@@ -4,11 +4,26 @@
 #include <string.h>
 #include "internal.h"
 
-/* For the change of velocity from here to the end of an advance: unless a kick did it already. */
-static void keep_velocity(dem_t *dem) {
-  double *before = part_record_double(dem->store, DEM_RECORD_BEFORE);
-  for (int i = 0; i < dem->store->local && dem->kicked == 0; i++)
-    memcpy(before + 4 * (size_t)i, dem_vm(dem) + DEM_VM * (size_t)i, 3 * sizeof *before);
+enum { BEGAN = 0, ENDED = 4, BEFORE_WIDTH = 8 }; /* of the record BEFORE */
+
+static void keep_velocity(dem_t *dem, int at) {
+  double *before = part_record_double(dem->store, DEM_RECORD_BEFORE) + at;
+  for (size_t i = 0; i < (size_t)dem->store->local; i++)
+    memcpy(before + BEFORE_WIDTH * i, dem_vm(dem) + DEM_VM * i, 3 * sizeof *before);
+}
+
+/* When nothing moved it since the last advance, this is also how that one ended. */
+static void keep_before_advance(dem_t *dem) {
+  keep_velocity(dem, BEGAN);
+  if (!dem->kicked)
+    keep_velocity(dem, ENDED);
+  dem->kicked = 0;
+}
+
+static void keep_before_kick(dem_t *dem) {
+  if (!dem->kicked)
+    keep_velocity(dem, ENDED);
+  dem->kicked = 1;
 }
 
 /* Does any own particle feel a fluid? Also clears the impulses of the last advance and keeps the
@@ -17,8 +32,7 @@ static int begin_fluid(dem_t *dem) {
   double *fluid = dem_fluid(dem);
   int any = 0;
   dem->wet.h = 0.0; /* Sp may be another */
-  keep_velocity(dem);
-  dem->kicked = 0;
+  keep_before_advance(dem);
   for (int i = 0; i < dem->store->local; i++) {
     double *f = fluid + DEM_FLUID * (size_t)i;
     f[4] = f[5] = f[6] = 0.0;
@@ -241,8 +255,7 @@ int dem_kick(dem_t *dem, const double *impulse) {
   double *sums = NULL;
   if (!dem->started)
     return part_fail(PART_ERR_STATE, "dem_kick comes after dem_start");
-  keep_velocity(dem);
-  dem->kicked = 1;
+  keep_before_kick(dem);
   int status = dem_allocate(3 * (size_t)dem->blocks, sizeof *sums, &sums);
   for (int i = 0; status == PART_OK && i < dem->store->local; i++) {
     const double *j = impulse + 3 * (size_t)i;

@@ -132,7 +132,7 @@ struct dem_t {
 
   int started, restored;
   double added_density; /* kg/m3, in every material's density: dem_add_mass */
-  int kicked; /* since the last advance: velocityBefore is that before the kick */
+  int kicked; /* since the last advance: velocityEnded is that before the kick */
   int restored_elsewhere; /* read on another number of ranks than wrote */
   dem_plan plan;
   dem_fast fast;

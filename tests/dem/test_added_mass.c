@@ -85,11 +85,11 @@ static void spin(void **state) {
 }
 
 static const double *before_of(dem_t *dem) {
-  return part_field_double(dem_store(dem), DEM_FIELD_VELOCITY_BEFORE);
+  return part_field_double(dem_store(dem), DEM_FIELD_VELOCITY_ENDED);
 }
 
-/* velocityBefore: with a kick since the last advance that before the kick, else that before the
- * advance; a restart in between changes nothing. */
+/* velocityEnded: with a kick since the last advance that before the kick, else that before the
+ * advance; a restart in between changes nothing. velocityBefore has the kick. */
 static void velocity_before(void **state) {
   (void)state;
   char path[64];
@@ -127,6 +127,7 @@ static void velocity_before(void **state) {
     if (dem_store(dem)->local == 1) {
       CLOSE(before_of(dem)[0], 2.0 * gain, 1e-15);
       CLOSE(before_of(dem)[1], 0.0, 0.0);
+      CLOSE(part_field_double(dem_store(dem), DEM_FIELD_VELOCITY_BEFORE)[1], kick, 1e-14);
     }
     dem_destroy(dem);
   }

@@ -317,9 +317,8 @@ void particlePhase::advance
   if (params_.two_way) depositMotion(dt, ap, answer);
 }
 
-/* Mean acceleration of the solids since the end of the last advance, weighted by volume like their
- * velocity: the kick that the last flow step owed them belongs to it, or contacts that take it back
- * would be an acceleration of nothing. And how they will answer to the pressure of this one. */
+/* Mean acceleration of the solids over the step, weighted by volume like their velocity, and how they
+ * will answer to the pressure of the flow step that follows. */
 void particlePhase::depositMotion(scalar dt, volVectorField& ap, volScalarField& answer)
 {
   part_store* s = dem_store(dem_);

@@ -83,8 +83,7 @@ int main(int argc, char* argv[])
       #include "fluidStep.H"
     }
     solids.react(dt, given.pressure(), given.drag(), given.volume(), given.stress(), prediction);
-    if (scheme.responds()) pressurePredicted += prediction*(pressureMean - pressurePredicted);
-    if (solids.virtualMass()) solids.accelerate(U, (U - Ubefore)/runTime.deltaT());
+    #include "endAnswer.H"
     p = p_rgh + (g & mesh.C());
 
     stage.next("report and output");

@@ -272,8 +272,8 @@ long long dem_generation(const dem_t *dem);
 int dem_relax_spin(dem_t *dem, const double *turn, double dt);
 /* Add impulse[3*i] (N s) to own particle i at once: dv = impulse/m (blocks: sum over all members,
  * collective; clumps: at the member's centre, so the clump turns; fixed: to the support). Counts as
- * fluid impulse in the budget. Field VELOCITY_BEFORE keeps the velocity before the first kick after
- * an advance (or, without a kick, before the next advance). Collective. */
+ * fluid impulse in the budget. Field VELOCITY_ENDED keeps the velocity before the first kick after an
+ * advance. Collective. */
 int dem_kick(dem_t *dem, const double *impulse);
 
 double dem_time(const dem_t *dem); /* s, since the start of the simulation */
