@@ -50,6 +50,7 @@ mixtureScheme::mixtureScheme
   const volVectorField& vp,
   const volVectorField& ap,
   const volScalarField& answer,
+  const volScalarField& relay,
   const volScalarField& D,
   const volVectorField& G,
   const dimensionedVector& body
@@ -61,6 +62,7 @@ mixtureScheme::mixtureScheme
   vp_(vp),
   ap_(ap),
   answer_(answer),
+  relay_(relay),
   D_(D),
   G_(G),
   body_(body),
@@ -70,6 +72,7 @@ mixtureScheme::mixtureScheme
   dragExplicit_(faceVector(mesh, "dragExplicit", dimAcceleration)),
   inertia_(faceVector(mesh, "solidInertia", dimAcceleration)),
   response_(faceScalar(mesh, "response", dimless)),
+  relayf_(faceScalar(mesh, "relay", dimless)),
   driven_(faceScalar(mesh, "driven", dimVolume/sqr(dimTime))),
   vpf_(faceVector(mesh, "vpf", dimVelocity)),
   m_(faceVector(mesh, "porosityNormal", dimless)),
@@ -124,6 +127,7 @@ void mixtureScheme::update()
   if (responds_)
   {
     response_ = path(volScalarField(answer_*rEps))/rf_;
+    relayf_ = path(volScalarField(relay_*rEps))/rf_;
     forAll(response_.boundaryField(), patchi) // solids cross no wall
     {
       if (!mesh_.boundary()[patchi].coupled()) response_.boundaryFieldRef()[patchi] = 0;
