@@ -37,6 +37,8 @@ static int check(const cpl_points_params *params, const cpl_fluid *fluid,
   if (!isfinite(fluid->gravity[0] + fluid->gravity[1] + fluid->gravity[2]))
     return part_fail(PART_ERR_NUMERIC, "coupling: gravity (%g %g %g) m/s2 is not finite",
                      fluid->gravity[0], fluid->gravity[1], fluid->gravity[2]);
+  if (params->self_disturbance && (params->form != CPL_POINTS_COMBINED || !params->two_way))
+    return part_fail(PART_ERR_RANGE, "coupling: selfDisturbance needs form combined and twoWay on");
   if (!isfinite(params->still[0] + params->still[1] + params->still[2]))
     return part_fail(PART_ERR_NUMERIC, "coupling: gravity at rest (%g %g %g) m/s2 is not finite",
                      params->still[0], params->still[1], params->still[2]);
@@ -49,6 +51,7 @@ static int create_local(cpl_points_t *p, int planes, const cpl_points_plane *pla
   for (int k = 0; k < POINTS_STAGES; k++)
     PART_TRY(part_timers_stage(p->timers, names[k], &p->stage[k]));
   PART_TRY(CPL_RESERVE(p->bounds, 6 * (size_t)p->size));
+  PART_TRY(points_wake_make(p));
   return points_check_planes(p, planes, plane);
 }
 
@@ -116,6 +119,7 @@ void cpl_points_destroy(cpl_points_t *p) {
   CPL_FREE(p->work);
   CPL_FREE(p->work2);
   CPL_FREE(p->id_work);
+  CPL_FREE(p->wake);
   if (p->comm != MPI_COMM_NULL)
     MPI_Comm_free(&p->comm);
   free(p);

@@ -110,6 +110,9 @@ static int check_force(const cpl_points_t *p, const cpl_particles *particles,
   if (p->params.form == CPL_POINTS_GRADIENT && (!fluid->density || !fluid->acceleration) && p->points > 0)
     return part_fail(PART_ERR_ARGUMENT,
                      "cpl_points_force: form gradient needs density and acceleration of the points");
+  if (p->params.self_disturbance && !particles->memory && p->count > 0)
+    return part_fail(PART_ERR_ARGUMENT,
+                     "coupling: selfDisturbance is on, but the particles have no memory");
   return PART_OK;
 }
 
@@ -159,8 +162,11 @@ static int particle_force(cpl_points_t *p, cpl_particles *particles, int i, cons
   const double eps = p->sampled_eps.data[i] = row[EPS] / sum;
   const double wet = p->wet.data[i] =
       wet_share(p, points_at(particles->position, particles->position_stride, i), sum);
-  for (int c = 0; c < 3; c++) {
+  for (int c = 0; c < 3; c++)
     u[c] = row[U + c] / sum;
+  if (p->params.self_disturbance)
+    points_wake_subtract(p, particles, i, u);
+  for (int c = 0; c < 3; c++) {
     slip += (u[c] - v[c]) * (u[c] - v[c]);
   }
   const double beta = drag_of(p, particles, i, sqrt(slip), mean) / (gradient ? 1.0 : eps);
@@ -325,6 +331,8 @@ static int reaction(cpl_points_t *p, const cpl_particles *particles, cpl_fluid_p
   PART_TRY(order_impulses(p, particles, dt));
   PART_TRY(points_forward(p, 3, p->work2.data, &received));
   spread(p, received, fluid);
+  if (p->params.self_disturbance)
+    points_wake_remember(p, particles, dt);
   return close_budget(p, fluid, dt);
 }
 

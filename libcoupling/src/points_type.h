@@ -4,6 +4,7 @@
 #define COUPLING_POINTS_TYPE_H
 
 #include "coupling/points.h"
+#include "disturbance.h"
 #include "memory.h"
 #include "particle/exchange.h"
 #include "points_table.h"
@@ -66,6 +67,8 @@ struct cpl_points_t {
   CPL_ARRAY(int64_t) id_work;
   cpl_budget budget;
   int has_budget;
+  CPL_ARRAY(cpl_disturbance) wake; /* [1] with self_disturbance */
+  double variance;                 /* m2, of the kernel W per axis */
 };
 
 static inline double points_sphere_volume(double r) {
@@ -83,6 +86,11 @@ int points_send_visits(cpl_points_t *p);                                /* colle
 /* Collective. value[count][n] of own particles -> [received][n]; and back, summed: value is written. */
 int points_forward(cpl_points_t *p, int n, const double *value, double **received);
 int points_back(cpl_points_t *p, int n, double *received, double *value);
+/* points_wake.c */
+int points_wake_make(cpl_points_t *p);
+/* u[3], the velocity at particle i, without its own disturbance; after its eps. */
+void points_wake_subtract(const cpl_points_t *p, const cpl_particles *particles, int i, double *u);
+void points_wake_remember(const cpl_points_t *p, const cpl_particles *particles, double dt);
 /* points_pairs.c */
 int points_make_pairs(cpl_points_t *p, const cpl_fluid_points *fluid); /* local */
 static inline int points_uses_sizes(const cpl_points_t *p) {

@@ -211,6 +211,51 @@ static void test_surface(void **state) {
   points_scene_free(&s);
 }
 
+/* A sphere at rest in a fluid that creeps with u, whose steady drag so far was f: P.11 adds f sqrt(2/pi)/(6 pi mu s0) to the
+ * velocity it feels, and after a step of dt each memory is the mean of f and the new drag over its time. */
+static void test_disturbance(void **state) {
+  (void)state;
+  const double radius = 0.03, f = -1e-7, dt = 1e-3, drag = 0.7;
+  points_scene s;
+  double *points, memory[3 * CPL_MEMORY_VECTORS] = {0.0};
+  double sphere[SPHERE_WIDTH] = {0.5, 0.5, 0.5, radius};
+  points_scene_init(&s, MPI_COMM_SELF, 0.15, 1);
+  s.params.self_disturbance = 1;
+  s.params.form = CPL_POINTS_GRADIENT;
+  assert_int_equal(points_scene_start(&s, 0, NULL), PART_ERR_RANGE);
+  s.params.form = CPL_POINTS_COMBINED;
+  assert_int_equal(points_scene_start(&s, 0, NULL), PART_OK);
+  const int n = points_lattice(&s.box, 12, 0.0, &points);
+  points_scene_spheres(&s, 1, sphere, 0);
+  points_scene_points(&s, n, points, 0);
+  assert_int_equal(cpl_points_locate(s.points, &s.view, &s.fluid_view), PART_OK);
+  assert_int_equal(cpl_points_porosity(s.points, &s.fluid_view), PART_OK);
+  assert_int_equal(cpl_points_force(s.points, &s.view, &s.fluid_view), PART_ERR_ARGUMENT);
+  s.view.memory = memory;
+  s.view.memory_stride = 3 * CPL_MEMORY_VECTORS;
+  for (int k = 0; k < CPL_MEMORY_VECTORS; k++)
+    memory[3 * k] = f;
+  assert_int_equal(cpl_points_force(s.points, &s.view, &s.fluid_view), PART_OK);
+  const double variance = 4.0 / 15.0 * 0.15 * 0.15 + 0.2 * radius * radius, s0 = sqrt(2.0 * variance);
+  const double volume = 4.0 / 3.0 * PI * radius * radius * radius;
+  const double alone = volume / pow(2.0 * PI * s0 * s0, 1.5) / (1.0 - cpl_points_sampled_eps(s.points)[0]);
+  const double w = fmin(alone, 1.0) * f * sqrt(2.0 / PI) / (6.0 * PI * s.fluid.viscosity * s0);
+  assert_true(alone > 0.9);
+  assert_near(cpl_points_sampled_velocity(s.points)[0], w, 3e-3 * fabs(w));
+  assert_near(cpl_points_sampled_velocity(s.points)[1], 0.0, 1e-12 * fabs(w));
+  for (int c = 0; c < 3; c++)
+    s.sphere[SJ + c] = -s.fluid.density * volume * s.fluid.gravity[c] * dt + (c == 1 ? drag * dt : 0.0);
+  assert_int_equal(cpl_points_reaction(s.points, &s.view, &s.fluid_view, dt), PART_OK);
+  for (int k = 0; k < CPL_MEMORY_VECTORS; k++) {
+    const double left = exp(-dt * s.fluid.viscosity / s.fluid.density / variance / (0.002 * pow(7.0, k)));
+    assert_near(memory[3 * k], left * f, 1e-9 * fabs(f));
+    assert_near(memory[3 * k + 1], (1.0 - left) * drag, 1e-9);
+    assert_near(memory[3 * k + 2], 0.0, 1e-9);
+  }
+  free(points);
+  points_scene_free(&s);
+}
+
 static void test_errors(void **state) {
   (void)state;
   points_scene s;
@@ -239,7 +284,8 @@ static void test_errors(void **state) {
 int main(int argc, char **argv) {
   MPI_Init(&argc, &argv);
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_law), cmocka_unit_test(test_ranks),
-                                     cmocka_unit_test(test_surface), cmocka_unit_test(test_errors)};
+                                     cmocka_unit_test(test_surface), cmocka_unit_test(test_disturbance),
+                                     cmocka_unit_test(test_errors)};
   cmocka_set_message_output(CM_OUTPUT_TAP);
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);
   MPI_Finalize();

@@ -32,6 +32,17 @@ def periodic_response(lengths, s2, nu, speed, force):
     return force * terms.sum().real / np.prod(lengths)
 
 
+def mirrored_response(lengths, s2, nu, speed, force, z):
+    """The same for a box with walls that slip below and above, the force at the height z: mirrored, it points the other way."""
+    n = [int(6 * l / (2 * math.pi * math.sqrt(s2))) + 1 for l in (lengths[0], lengths[1], 2 * lengths[2])]
+    k = np.meshgrid(*(2 * math.pi / l * np.arange(-m, m + 1) for l, m in zip((lengths[0], lengths[1], 2 * lengths[2]), n)), indexing='ij')
+    k2 = sum(a ** 2 for a in k)
+    k2[tuple(n)] = 1
+    terms = (1 - k[2] ** 2 / k2) * np.exp(-k2 * s2 / 2) / (nu * k2 + 1j * k[2] * speed) * (1 - np.cos(2 * k[2] * z))
+    terms[tuple(n)] = 0
+    return force * terms.sum().real / (2 * np.prod(lengths))
+
+
 def free_response(s2, nu, speed, force):
     """The same for one force in an unbounded fluid: integral over wave numbers, the angle in closed form."""
     k = (np.arange(200000) + 0.5) / 200000 * 9 / math.sqrt(s2)

@@ -16,6 +16,12 @@ static IOdictionary readConstant(const polyMesh& mesh, const word& name)
   );
 }
 
+/* What solids carry for the exchange: the memories of selfDisturbance. */
+static int carriedVectors(const polyMesh& mesh)
+{
+  return readConstant(mesh, "couplingProperties").getOrDefault<Switch>("selfDisturbance", false) ? CPL_MEMORY_VECTORS : 0;
+}
+
 double fluidPoints::kernelValue(const void* context, double r)
 {
   const decltype(kernel_)& k = *static_cast<const decltype(kernel_)*>(context);
@@ -35,7 +41,7 @@ void fluidPoints::readCoupling()
   readParams(couplingDict_, cpl_params_table, &coupling_);
   const wordList forces
   ({
-    "saffmanLift", "magnusLift", "rotationalDrag", "virtualMass", "viscousStress", "selfDisturbance"
+    "saffmanLift", "magnusLift", "rotationalDrag", "virtualMass", "viscousStress"
   });
   for (const word& force : forces)
   {
@@ -53,6 +59,7 @@ void fluidPoints::readCoupling()
   );
   params_.drag = coupling_.drag;
   params_.two_way = coupling_.two_way;
+  params_.self_disturbance = coupling_.self_disturbance;
 }
 
 void fluidPoints::createExchange()
@@ -84,7 +91,7 @@ void fluidPoints::createExchange()
 fluidPoints::fluidPoints(const polyMesh& mesh, const vector& gravity, const fluidProperties& properties)
 :
   fluidPhase(mesh, properties, true),
-  system_(mesh, gravity),
+  system_(mesh, gravity, carriedVectors(mesh)),
   couplingDict_(readConstant(mesh, "couplingProperties")),
   coupling_(),
   params_(),

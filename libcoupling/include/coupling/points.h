@@ -57,6 +57,8 @@ typedef struct cpl_points_params {
   double minimum_eps, drag_fraction;
   int drag;    /* row of coupling/drag_laws.def, not in the table */
   int two_way; /* 0: the points get neither eps nor force; not in the table */
+  int self_disturbance; /* drag without the flow that the sphere's own drag has made (P.11); particles have
+                           memory; form combined; not in the table */
   double still[3]; /* m/s2, part of the fluid's gravity that drives it not, because its pressure is that
                       beyond the one it has at rest (P.10); 0: none; not in the table */
 } cpl_points_params;
