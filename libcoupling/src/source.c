@@ -58,9 +58,8 @@ static int order_impulse(cpl_t *cpl, const cpl_particles *p) {
   for (int i = 0; status == PART_OK && i < p->count; i++) {
     double *row = view.data + 4 * (size_t)i;
     cpl_received(cpl, p, i, row, NULL);
-    /* A sphere of a block does not follow the fluid around it: to that it is as one that is fixed. */
-    const int64_t kind = p->kind ? p->kind[(size_t)i * (size_t)p->kind_stride] : 0;
-    row[3] = kind == 1 || kind == 2 ? 0.0 : *cpl_at(p->inverse_mass, p->inverse_mass_stride, i);
+    const int fixed = p->kind && p->kind[(size_t)i * (size_t)p->kind_stride] == 1;
+    row[3] = fixed ? 0.0 : *cpl_at(p->inverse_mass, p->inverse_mass_stride, i);
   }
   if (status == PART_OK)
     status = cpl_match_move(match, 4, view.data, cpl->particle_work2.data);

@@ -340,12 +340,13 @@ void particlePhase::depositMotion
       row[d] = volume/dt*(view_.velocity[i*view_.velocity_stride + d] - before[i*stride + d]);
     }
     row[3] = row[4] = 0;
+    // A block answers as a whole, and so late (M.16)
     const int64_t kind = view_.kind[i*view_.kind_stride];
-    if (kind == DEM_FIXED) continue;
+    if (kind == DEM_FIXED || kind == DEM_BLOCK) continue;
     const double inverseMass = view_.inverse_mass[i*view_.inverse_mass_stride];
     const double x = view_.fluid_sp[i*view_.fluid_sp_stride]*dt*inverseMass;
     const double kept = x > 0 ? -std::expm1(-x)/x : 1; // of a force over dt, what the particle keeps
-    row[3] = fluid_.density*sqr(volume)*inverseMass*(kind == DEM_BLOCK ? kept : 1);
+    row[3] = fluid_.density*sqr(volume)*inverseMass;
     row[4] = volume*(1 - kept);
   }
   List<double> sums(5*mesh_.nCells(), 0.0);

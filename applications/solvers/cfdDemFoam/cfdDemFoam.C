@@ -82,6 +82,7 @@ int main(int argc, char* argv[])
       }
       #include "fluidStep.H"
     }
+    const scalar prediction = scheme.responds() ? 0.2 : 1; // M.16
     solids.react
     (
       dt, given.pressure(), given.drag(), given.volume(), given.handed(), given.stress(), prediction
