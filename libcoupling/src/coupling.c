@@ -38,6 +38,11 @@ static int check(const cpl_mesh *mesh, const cpl_params *params, const cpl_fluid
                      "kernel of two-way coupling; use smoothing diffusion and twoWay on, or "
                      "selfDisturbance off",
                      params->two_way ? "smoothing is off" : "twoWay is off");
+  if (params->virtual_mass && params->model == CPL_MODEL_B)
+    return part_fail(
+        PART_ERR_ARGUMENT,
+        "coupling: virtualMass is on with model B, whose drag takes the pressure gradient "
+        "for that of a steady uniform flow; use model A or Bfull, or virtualMass off");
   PART_TRY(check_fluid(fluid));
   for (int c = 0; c < mesh->cells; c++)
     if (!(isfinite(mesh->volume[c]) && mesh->volume[c] > 0.0))
@@ -111,6 +116,8 @@ void cpl_destroy(cpl_t *cpl) {
   CPL_FREE(cpl->superficial);
   CPL_FREE(cpl->constant);
   CPL_FREE(cpl->curl);
+  CPL_FREE(cpl->acceleration);
+  CPL_FREE(cpl->added);
   CPL_FREE(cpl->turning);
   CPL_FREE(cpl->extra);
   CPL_FREE(cpl->extra_cell);
@@ -346,6 +353,8 @@ int cpl_plan_text(const cpl_t *cpl, size_t size, char *text) {
     line(size, text, "memory of own forces", "selfDisturbance off", "8 vectors per particle");
   if (!p->saffman_lift && !p->magnus_lift && !p->rotational_drag)
     line(size, text, "lift and turning drag", "all of them off", "sampling of 3 components");
+  if (!p->virtual_mass)
+    line(size, text, "virtual mass", "virtualMass off", "Du/Dt, sampling of 3 components");
   if (!p->two_way)
     line(size, text, "momentum source and reaction", "twoWay off", "one deposit and one sample");
   if (p->model == CPL_MODEL_B)

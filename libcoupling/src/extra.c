@@ -9,7 +9,7 @@ int cpl_uses_curl(const cpl_params *p) {
 }
 
 int cpl_uses_extra(const cpl_params *p) {
-  return p->saffman_lift || p->magnus_lift;
+  return p->saffman_lift || p->magnus_lift || p->virtual_mass;
 }
 
 static int check_view(const cpl_t *cpl, const cpl_particles *p) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Forces beside drag, pressure and stress: lift. They are known when the particles are advanced,
- * and what the fluid gets back is exactly their sum: particle by particle, not shared as drag is.
+/* Forces beside drag, pressure and stress: lift, and virtual mass (virtual_mass.h). They are known
+ * when the particles are advanced, and what the fluid gets back is exactly their sum: particle by
+ * particle, not shared as drag is.
  */
 #ifndef COUPLING_EXTRA_H
 #define COUPLING_EXTRA_H

@@ -22,6 +22,7 @@
 #include "extra.h"
 #include "drag/laws.h"
 #include "sphere.h"
+#include "virtual_mass.h"
 #include "wake.h"
 
 static int uses_pressure(const cpl_t *cpl) {
@@ -73,11 +74,14 @@ static int check_cells(const cpl_t *cpl, const cpl_cells *cells) {
   if (cpl_uses_curl(&cpl->params) && !cells->curl)
     return part_fail(PART_ERR_ARGUMENT,
                      "cpl_sample_fluid: lift or rotationalDrag is on, but curl is NULL");
+  if (cpl->params.virtual_mass && !cells->acceleration)
+    return part_fail(PART_ERR_ARGUMENT,
+                     "cpl_sample_fluid: virtualMass is on, but acceleration is NULL");
   return PART_OK;
 }
 
-/* One row per cell: eps, U, curl u where used, then -grad p and div tau where used; model B: 1/eps
- * last. */
+/* One row per cell: eps, U, curl u and Du/Dt where used, then -grad p and div tau where used; model
+ * B: 1/eps last. */
 static void gather_cells(cpl_t *cpl, const cpl_cells *cells, size_t n) {
   const int pressure = uses_pressure(cpl), stress = cpl->params.viscous_stress;
   const int curl = cpl_uses_curl(&cpl->params);
@@ -88,6 +92,8 @@ static void gather_cells(cpl_t *cpl, const cpl_cells *cells, size_t n) {
       *row++ = cells->superficial[3 * c + d];
     for (size_t d = 0; curl && d < 3; d++)
       *row++ = cells->curl[3 * c + d];
+    for (size_t d = 0; cpl->params.virtual_mass && d < 3; d++)
+      *row++ = cells->acceleration[3 * c + d];
     for (size_t d = 0; pressure && d < 3; d++)
       *row++ = -cells->pressure_gradient[3 * c + d];
     for (size_t d = 0; stress && d < 3; d++)
@@ -99,15 +105,18 @@ static void gather_cells(cpl_t *cpl, const cpl_cells *cells, size_t n) {
 
 static void scatter_particles(cpl_t *cpl, size_t n) {
   const int model_b = cpl->params.model == CPL_MODEL_B;
-  const size_t last = n - (model_b ? 1 : 0), others = cpl_uses_curl(&cpl->params) ? 7 : 4;
+  const size_t last = n - (model_b ? 1 : 0), to_virtual = cpl_uses_curl(&cpl->params) ? 7 : 4;
+  const size_t others = to_virtual + (cpl->params.virtual_mass ? 3 : 0);
   for (size_t i = 0; i < (size_t)cpl->count; i++) {
     const double *row = cpl->particle_work.data + i * n;
     cpl->eps.data[i] = row[0];
     memcpy(cpl->superficial.data + 3 * i, row + 1, 3 * sizeof *row);
     if (model_b)
       cpl->inverse_eps.data[i] = row[last];
-    if (others > 4)
+    if (to_virtual > 4)
       memcpy(cpl->curl.data + 3 * i, row + 4, 3 * sizeof *row);
+    if (others > to_virtual)
+      memcpy(cpl->acceleration.data + 3 * i, row + to_virtual, 3 * sizeof *row);
     double *constant = cpl->constant.data + 3 * i;
     for (size_t d = 0; d < 3; d++) {
       constant[d] = 0.0;
@@ -120,8 +129,9 @@ static void scatter_particles(cpl_t *cpl, size_t n) {
 
 static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_cells *cells) {
   const int curl = cpl_uses_curl(&cpl->params);
-  const int n = 4 + 3 * (curl != 0) + 3 * (uses_pressure(cpl) != 0) +
-                3 * (cpl->params.viscous_stress != 0) + (cpl->params.model == CPL_MODEL_B);
+  const int n = 4 + 3 * (curl != 0) + 3 * (cpl->params.virtual_mass != 0) +
+                3 * (uses_pressure(cpl) != 0) + 3 * (cpl->params.viscous_stress != 0) +
+                (cpl->params.model == CPL_MODEL_B);
   const size_t count = (size_t)particles->count;
   int status = cpl_check_order(cpl, particles, "cpl_sample_fluid");
   if (status == PART_OK)
@@ -138,6 +148,8 @@ static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_ce
     status = CPL_RESERVE(cpl->constant, 3 * count);
   if (status == PART_OK && curl)
     status = CPL_RESERVE(cpl->curl, 3 * count);
+  if (status == PART_OK && cpl->params.virtual_mass)
+    status = CPL_RESERVE(cpl->acceleration, 3 * count);
   if (status == PART_OK && cpl->params.model == CPL_MODEL_B)
     status = CPL_RESERVE(cpl->inverse_eps, count);
   PART_TRY(cpl_agree(cpl, status));
@@ -264,6 +276,8 @@ static int fluid_force(cpl_t *cpl, cpl_particles *particles) {
   PART_TRY(force_loops[cpl->params.drag](cpl, particles));
   if (cpl_uses_curl(&cpl->params))
     PART_TRY(cpl_extra_forces(cpl, particles));
+  if (cpl->params.virtual_mass)
+    PART_TRY(cpl_virtual_force(cpl, particles));
   if (cpl->count > 0)
     memcpy(cpl->force_id.data, cpl->id.data, (size_t)cpl->count * sizeof(int64_t));
   cpl->force_count = cpl->count;

@@ -16,6 +16,7 @@
 #include "exchange.h"
 #include "extra.h"
 #include "match.h"
+#include "virtual_mass.h"
 #include "wake.h"
 #include "sphere.h"
 
@@ -94,7 +95,8 @@ enum { FLUID = 0, PARTICLES = 3, REACTIONS = 6, BUOYANCY, IMPULSES, KICKS, TERMS
 /* Take from the kicks what was already received, and add up both sides. */
 static void settle(const cpl_t *cpl, const cpl_particles *p, double dt, double *kick, double *sum) {
   for (int i = 0; i < p->count; i++) {
-    const double *impulse = cpl_at(p->fluid_impulse, p->fluid_impulse_stride, i);
+    double impulse[3];
+    cpl_received(cpl, p, i, impulse, NULL);
     const double mass =
         cpl->fluid.density * cpl_sphere_volume(*cpl_at(p->radius, p->radius_stride, i));
     double *k = kick + 3 * (size_t)i, buoyancy[3];

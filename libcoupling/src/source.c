@@ -9,8 +9,8 @@
  * by b_i dU, what a particle takes that relaxes towards the new velocity: never more than m_i du.
  * The difference between what the fluid then really gave and J_i is the particle's kick.
  *
- * J_i holds the extra forces too (lift), so G gives them back to the cells; extra_cell is how much
- * of it, for cpl_reaction.
+ * J_i holds the extra forces too (lift, virtual mass), so G gives them back to the cells;
+ * extra_cell is how much of it, for cpl_reaction.
  *
  * Model B: the momentum of a sphere goes to its cells as w_ic/eps_c, see forces.c; with
  * e_i = sum_c w_ic/eps_c, D_c = sum_i w_ic b_i/(e_i eps_c V_c), and G_c likewise. */
@@ -20,6 +20,7 @@
 #include "exchange.h"
 #include "extra.h"
 #include "match.h"
+#include "virtual_mass.h"
 
 /* ---- orders --------------------------------------------------------------------------------- */
 /* From the order of a view to that of cpl_locate. */
@@ -56,12 +57,32 @@ static int order_impulse(cpl_t *cpl, const cpl_particles *p) {
   status = cpl_agree(cpl, status);
   for (int i = 0; status == PART_OK && i < p->count; i++) {
     double *row = view.data + 4 * (size_t)i;
-    memcpy(row, cpl_at(p->fluid_impulse, p->fluid_impulse_stride, i), 3 * sizeof *row);
+    cpl_received(cpl, p, i, row, NULL);
     const int fixed = p->kind && p->kind[(size_t)i * (size_t)p->kind_stride] == 1;
     row[3] = fixed ? 0.0 : *cpl_at(p->inverse_mass, p->inverse_mass_stride, i);
   }
   if (status == PART_OK)
     status = cpl_match_move(match, 4, view.data, cpl->particle_work2.data);
+  CPL_FREE(view);
+  cpl_match_destroy(match);
+  return status;
+}
+
+/* added[count][3] = m_a dv in the order of cpl_locate. */
+static int order_added(cpl_t *cpl, const cpl_particles *p) {
+  cpl_match *match;
+  PART_TRY(match_view(cpl, p, &match));
+  CPL_ARRAY(double) view = {NULL, 0};
+  int status = CPL_RESERVE(view, 3 * (size_t)p->count);
+  if (status == PART_OK)
+    status = CPL_RESERVE(cpl->added, 3 * (size_t)cpl->count);
+  status = cpl_agree(cpl, status);
+  for (int i = 0; status == PART_OK && i < p->count; i++) {
+    double impulse[3];
+    cpl_received(cpl, p, i, impulse, view.data + 3 * (size_t)i);
+  }
+  if (status == PART_OK)
+    status = cpl_match_move(match, 3, view.data, cpl->added.data);
   CPL_FREE(view);
   cpl_match_destroy(match);
   return status;
@@ -107,7 +128,7 @@ static int implicit_parts(cpl_t *cpl, double dt) {
 }
 
 /* Extra forces and their deposit; particle_work holds the force states. */
-static int deposit_extra(cpl_t *cpl, const cpl_cells *cells) {
+static int deposit_extra(cpl_t *cpl, const cpl_cells *cells, double dt) {
   const int model_b = cpl->params.model == CPL_MODEL_B;
   const size_t n = 3 * (size_t)cpl->mesh.cells, count = (size_t)cpl->count;
   int status = CPL_RESERVE(cpl->extra, 3 * count);
@@ -117,7 +138,9 @@ static int deposit_extra(cpl_t *cpl, const cpl_cells *cells) {
   double *part = cpl->particle_work.data; /* packed in place: 3 of CPL_FORCE_WIDTH */
   for (size_t i = 0; i < count; i++)
     for (size_t d = 0; d < 3; d++) {
-      const double force = cpl->particle_work.data[i * CPL_FORCE_WIDTH + CPL_FORCE_EXTRA + d];
+      const double taken = cpl->params.virtual_mass ? cpl->added.data[3 * i + d] / dt : 0.0;
+      const double force =
+          cpl->particle_work.data[i * CPL_FORCE_WIDTH + CPL_FORCE_EXTRA + d] - taken;
       cpl->extra.data[3 * i + d] = force;
       part[3 * i + d] = model_b ? force / cpl->inverse_eps.data[i] : force;
     }
@@ -166,6 +189,8 @@ static int momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells
   }
   PART_TRY(order_force(cpl));
   PART_TRY(order_impulse(cpl, particles));
+  if (cpl->params.virtual_mass)
+    PART_TRY(order_added(cpl, particles));
   int status = CPL_RESERVE(cpl->implicit, cpl->count);
   if (status == PART_OK)
     status = CPL_RESERVE(cpl->cell_work, 4 * n);
@@ -178,7 +203,7 @@ static int momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells
     status = implicit_parts(cpl, dt);
   PART_TRY(cpl_agree(cpl, status));
   if (cpl_uses_extra(&cpl->params))
-    PART_TRY(deposit_extra(cpl, cells));
+    PART_TRY(deposit_extra(cpl, cells, dt));
   memset(cpl->cell_work.data, 0, 4 * n * sizeof(double));
   PART_TRY(cpl_spread(cpl, 4, cpl->particle_work2.data, cpl->cell_work.data));
   write_source(cpl, cells);

@@ -4,17 +4,38 @@
 #include <string.h>
 #include "internal.h"
 
+enum { BEGAN = 0, ENDED = 4, BEFORE_WIDTH = 8 }; /* of the record BEFORE */
+
+static void keep_velocity(dem_t *dem, int at) {
+  double *before = part_record_double(dem->store, DEM_RECORD_BEFORE) + at;
+  for (size_t i = 0; i < (size_t)dem->store->local; i++)
+    memcpy(before + BEFORE_WIDTH * i, dem_vm(dem) + DEM_VM * i, 3 * sizeof *before);
+}
+
+/* When nothing moved it since the last advance, this is also how that one ended. */
+static void keep_before_advance(dem_t *dem) {
+  keep_velocity(dem, BEGAN);
+  if (!dem->kicked)
+    keep_velocity(dem, ENDED);
+  dem->kicked = 0;
+}
+
+static void keep_before_kick(dem_t *dem) {
+  if (!dem->kicked)
+    keep_velocity(dem, ENDED);
+  dem->kicked = 1;
+}
+
 /* Does any own particle feel a fluid? Also clears the impulses of the last advance and keeps the
  * velocities it begins with. */
 static int begin_fluid(dem_t *dem) {
   double *fluid = dem_fluid(dem);
-  double *before = part_record_double(dem->store, DEM_RECORD_BEFORE);
   int any = 0;
   dem->wet.h = 0.0; /* Sp may be another */
+  keep_before_advance(dem);
   for (int i = 0; i < dem->store->local; i++) {
     double *f = fluid + DEM_FLUID * (size_t)i;
     f[4] = f[5] = f[6] = 0.0;
-    memcpy(before + 4 * (size_t)i, dem_vm(dem) + DEM_VM * (size_t)i, 3 * sizeof *before);
     any |= f[0] != 0.0 || f[1] != 0.0 || f[2] != 0.0 || f[3] != 0.0;
   }
   return any || !dem->params.skip;
@@ -133,7 +154,7 @@ static int count_substeps(const dem_t *dem, double dt, int *n) {
 }
 
 static int contact_substeps(dem_t *dem, double t0, double h, int n, int fluid) {
-  if (dem->fast.kernels != NULL && !fluid)
+  if (dem->fast.kernels != NULL && !fluid && !(dem->added_density > 0.0)) /* one spin factor */
     return fused_substeps(dem, t0, h, n);
   return plain_substeps(dem, t0, h, n, fluid);
 }
@@ -234,6 +255,7 @@ int dem_kick(dem_t *dem, const double *impulse) {
   double *sums = NULL;
   if (!dem->started)
     return part_fail(PART_ERR_STATE, "dem_kick comes after dem_start");
+  keep_before_kick(dem);
   int status = dem_allocate(3 * (size_t)dem->blocks, sizeof *sums, &sums);
   for (int i = 0; status == PART_OK && i < dem->store->local; i++) {
     const double *j = impulse + 3 * (size_t)i;

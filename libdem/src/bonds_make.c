@@ -87,7 +87,9 @@ static void stiffness(const dem_t *dem, const dem_bond *bond, double radius, dou
 static void inverses(const dem_t *dem, int i, double *mass, double *inertia) {
   const double r = dem_xr(dem)[DEM_XR * (size_t)i + 3];
   *mass = dem_vm(dem)[DEM_VM * (size_t)i + 3];
-  *inertia = dem_kind_of(dem, i) == DEM_FREE ? dem->shape.spin * *mass / (r * r) : 0.0;
+  *inertia = dem_kind_of(dem, i) == DEM_FREE
+                 ? dem->shape.spin * *mass / (dem_own_part(dem, dem_material_of(dem, i)) * r * r)
+                 : 0.0;
 }
 
 /* 1/kg and 1/(kg m2) of the relative motions: along the bond, across it, relative turn. */
@@ -229,8 +231,7 @@ static int check_pair(const dem_t *dem, int rule, int64_t a, int64_t b) {
                    "%s: entry youngsModulus: particles %lld and %lld have radii %g and %g m; with "
                    "dimensions 2 it is that of a packing of equal discs. Give normalStiffness and "
                    "shearStiffness",
-                   dem_bond_table.name, id_of(dem, a < b ? a : b), id_of(dem, a < b ? b : a), r,
-                   s);
+                   dem_bond_table.name, id_of(dem, a < b ? a : b), id_of(dem, a < b ? b : a), r, s);
 }
 
 static int add_entry(maker *m, int64_t number, double x, double y, double z) {

@@ -105,7 +105,8 @@ int dem_add_material(dem_t *dem, const dem_material *material, int *number) {
     return part_fail_context(PART_ERR_RANGE, "material %s", material->name);
   const double nu = material->poisson_ratio;
   if (!(material->youngs_modulus > 0.0) && !isnan(nu) && nu != 0.0)
-    return part_fail(PART_ERR_RANGE, "material %s: entry poissonRatio is given without youngsModulus",
+    return part_fail(PART_ERR_RANGE,
+                     "material %s: entry poissonRatio is given without youngsModulus",
                      material->name);
   for (int m = 0; m < dem->materials; m++)
     if (strcmp(dem->material[m].name, material->name) == 0)
@@ -115,10 +116,31 @@ int dem_add_material(dem_t *dem, const dem_material *material, int *number) {
     return part_fail(PART_ERR_MEMORY, "no memory for material %s", material->name);
   dem->material = more;
   dem->material[dem->materials] = *material;
+  dem->material[dem->materials].density += dem->added_density;
   if (number != NULL)
     *number = dem->materials;
   dem->materials++;
   return PART_OK;
+}
+
+int dem_add_mass(dem_t *dem, double density) {
+  PART_TRY(not_started(dem, "dem_add_mass"));
+  if (!isfinite(density) || density < 0.0)
+    return part_fail(PART_ERR_RANGE, "added mass of %g kg/m3 of particle: must be finite, >= 0",
+                     density);
+  if (dem->seeds > 0)
+    return part_fail(PART_ERR_STATE, "dem_add_mass comes before insertion");
+  if (density > 0.0 && dem->shape.flat)
+    return part_fail(PART_ERR_RANGE,
+                     "an added mass is that of spheres, not of discs (dimensions 2)");
+  for (int m = 0; m < dem->materials; m++)
+    dem->material[m].density += density - dem->added_density;
+  dem->added_density = density;
+  return PART_OK;
+}
+
+double dem_own_share(const dem_t *dem, int material) {
+  return dem_own_part(dem, material);
 }
 
 /* Hertz' stiffness and adhesion are those of spheres. */
@@ -130,10 +152,11 @@ static int check_flat_contact(const dem_contact *contact) {
                      "those of spheres",
                      table);
   if (isnan(contact->normal_stiffness))
-    return part_fail(PART_ERR_RANGE,
-                     "%s: entry normalStiffness must be given with dimensions 2, it does not follow "
-                     "from the elastic constants as that of spheres does",
-                     table);
+    return part_fail(
+        PART_ERR_RANGE,
+        "%s: entry normalStiffness must be given with dimensions 2, it does not follow "
+        "from the elastic constants as that of spheres does",
+        table);
   if (contact->work_of_adhesion > 0.0)
     return part_fail(PART_ERR_RANGE,
                      "%s: entry workOfAdhesion: %g J/m^2 is not allowed with dimensions 2, must be "

@@ -58,7 +58,8 @@ static void accelerate(drift *d, const double *v, const double *su, double sp, d
 static drift drift_of(const outlook *view, int i) {
   const dem_t *dem = view->dem;
   const double *v = dem_vm(dem) + DEM_VM * (size_t)i, *f = dem_fluid(dem) + DEM_FLUID * (size_t)i;
-  const double *g = dem->params.gravity;
+  const double own = dem_own_part(dem, dem_material_of(dem, i)), *weight = dem->params.gravity;
+  const double g[3] = {own * weight[0], own * weight[1], own * weight[2]};
   drift d = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, 0.0, 0.0};
   const dem_block *block;
   switch (dem_kind_of(dem, i)) {

@@ -19,13 +19,13 @@ static double ramp_integral(double ramp, double t) {
 }
 
 double dem_gravity_factor(const dem_t *dem, int material, double t, double h) {
-  const double ramp = dem->params.ramp_time;
+  const double ramp = dem->params.ramp_time, own = dem_own_part(dem, material);
   if (!(ramp > 0.0) || t >= ramp || !(h > 0.0))
-    return 1.0;
+    return own;
   /* Eq. 3 over the weight: rho_f/rho_s + (1 - rho_f/rho_s) xi, mean over the interval. */
-  const double ratio = dem->params.ramp_fluid_density / dem->material[material].density;
+  const double ratio = dem->params.ramp_fluid_density / (own * dem->material[material].density);
   const double xi = (ramp_integral(ramp, t + h) - ramp_integral(ramp, t)) / h;
-  return ratio + (1.0 - ratio) * xi;
+  return own * (ratio + (1.0 - ratio) * xi);
 }
 
 /* What drag makes of a step of one particle (flow.h), the same in every substep of an advance:
@@ -105,7 +105,8 @@ static inline double square_distance(const double *a, const double *b) {
 
 static inline void turn(const dem_t *dem, double h, double r, double *v, const double *f) {
   /* for spins see fast.h */
-  const double gain = dem->shape.spin * h * v[3] / (dem->fast.spins ? 1.0 : r * r);
+  const double own = dem_own_part(dem, (int)v[7]);
+  const double gain = dem->shape.spin * h * v[3] / (own * (dem->fast.spins ? 1.0 : r * r));
   for (int c = 4; c < 7; c++)
     v[c] += gain * f[c];
 }
@@ -191,7 +192,8 @@ int dem_relax_spin(dem_t *dem, const double *turn, double dt) {
       return part_fail(PART_ERR_NUMERIC,
                        "dem_relax_spin: particle %lld: towards (%g %g %g) 1/s by %g N m s",
                        (long long)dem_id(dem, i), turn[0], turn[1], turn[2], turn[3]);
-    const double part = -expm1(-turn[3] * dt * dem->shape.spin * v[3] / (r * r));
+    const double inverse = dem->shape.spin * v[3] / (dem_own_part(dem, (int)v[7]) * r * r);
+    const double part = -expm1(-turn[3] * dt * inverse);
     for (int c = 0; c < 3; c++)
       v[4 + c] += part * (turn[c] - v[4 + c]);
   }

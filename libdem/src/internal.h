@@ -131,6 +131,8 @@ struct dem_t {
   } carried;
 
   int started, restored;
+  double added_density; /* kg/m3, in every material's density: dem_add_mass */
+  int kicked; /* since the last advance: velocityEnded is that before the kick */
   int restored_elsewhere; /* read on another number of ranks than wrote */
   dem_plan plan;
   dem_fast fast;
@@ -200,7 +202,11 @@ static inline int dem_parts(const dem_t *dem) {
 static inline int dem_material_of(const dem_t *dem, int i) {
   return (int)dem_vm(dem)[DEM_VM * (size_t)i + 7];
 }
-/* Mass of a sphere or disc (kg). */
+/* Share of the inertia of a material that is its own: weight and spin go with it (dem_add_mass). */
+static inline double dem_own_part(const dem_t *dem, int material) {
+  return dem->added_density > 0.0 ? 1.0 - dem->added_density / dem->material[material].density : 1.0;
+}
+/* Mass of a sphere or disc (kg), added mass included. */
 static inline double dem_mass(const dem_t *dem, int material, double r) {
   const double pi = 3.14159265358979323846, density = dem->material[material].density;
   return dem->shape.flat ? density * pi * r * r * dem->shape.depth

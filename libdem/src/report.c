@@ -34,7 +34,7 @@ static double own_energy(const dem_t *dem, double *max_speed) {
     const double w2 = v[4] * v[4] + v[5] * v[5] + v[6] * v[6];
     *max_speed = fmax(*max_speed, sqrt(v2));
     if (dem_kind_of(dem, i) == DEM_FREE)
-      energy += 0.5 / v[3] * (v2 + r * r * w2 / dem->shape.spin);
+      energy += 0.5 * dem_own_part(dem, (int)v[7]) / v[3] * (v2 + r * r * w2 / dem->shape.spin);
     else if (dem_kind_of(dem, i) == DEM_BLOCK)
       energy += 0.5 * dem_own_mass(dem, i) * v2;
   }

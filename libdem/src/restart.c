@@ -5,7 +5,7 @@
 #include "internal.h"
 #include "particle/vtkhdf.h"
 
-enum { STATE_VALUES = 15, BUDGET_VALUES = 33 };
+enum { STATE_VALUES = 17, BUDGET_VALUES = 33 };
 
 static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
   const double packed[STATE_VALUES] = {dem->time,
@@ -22,7 +22,9 @@ static void pack_state(const dem_t *dem, double value[STATE_VALUES]) {
                                        dem->shape.depth,
                                        dem_bonds_values(dem),
                                        dem->impact_speed,
-                                       dem->load.reached};
+                                       dem->load.reached,
+                                       dem->kicked,
+                                       dem->added_density};
   memcpy(value, packed, sizeof packed);
 }
 
@@ -266,6 +268,11 @@ static int unpack_state(dem_t *dem, const char *path, const double *value) {
     return part_fail(PART_ERR_FORMAT,
                      "%s was written with a depth of %g m (0: spheres); now it is %g m", path,
                      value[11], dem->shape.depth);
+  if (value[16] != dem->added_density)
+    return part_fail(PART_ERR_FORMAT,
+                     "%s was written with an added mass of %g kg/m3 of particle (virtualMass); now "
+                     "it is %g kg/m3",
+                     path, value[16], dem->added_density);
   dem->time = value[0];
   dem->r_mean = value[1];
   dem->total = (int64_t)value[2];
@@ -277,6 +284,7 @@ static int unpack_state(dem_t *dem, const char *path, const double *value) {
   dem->skin = value[10];
   dem->impact_speed = value[13];
   dem->load.reached = value[14];
+  dem->kicked = (int)value[15];
   return PART_OK;
 }
 

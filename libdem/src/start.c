@@ -118,6 +118,16 @@ static int first_forces(dem_t *dem) {
   return status;
 }
 
+static int check_added_mass(const dem_t *dem) {
+  if (!(dem->added_density > 0.0) || !(dem->plan.blocks || dem->plan.clumps))
+    return PART_OK;
+  return part_fail(
+      PART_ERR_RANGE,
+      "added mass (virtualMass) is that of single spheres, but there are %s: that of a "
+      "whole body has another form and size; use free and fixed spheres",
+      dem->plan.blocks ? "rigid blocks" : "clumps");
+}
+
 int dem_start(dem_t *dem) {
   if (dem->started)
     return part_fail(PART_ERR_STATE, "dem_start is called once");
@@ -127,6 +137,7 @@ int dem_start(dem_t *dem) {
     PART_TRY(dem_bonds_make(dem));
   drop_seeds(dem);
   PART_TRY(dem_make_plan(dem));
+  PART_TRY(check_added_mass(dem));
   dem_fast_choose(dem);
   PART_TRY(part_agree(dem->comm, prepare_lists(dem)));
   int *count = dem->kept_count;

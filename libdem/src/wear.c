@@ -164,7 +164,8 @@ int dem_get_impact(dem_t *dem, int material, dem_impact *impact) {
   sums[0] = dem->wear.impact[material];
   for (int i = 0; i < dem->store->local; i++)
     if (dem_material_of(dem, i) == material)
-      sums[1] += 1.0 / inverse_mass[stride * (size_t)i]; /* of a clump's: its share */
+      sums[1] +=
+          dem_own_part(dem, material) / inverse_mass[stride * (size_t)i]; /* a clump's: share */
   PART_TRY(dem_rank_sum(dem, 2, sums));
   impact->energy = sums[0];
   impact->mass = sums[1];

@@ -56,8 +56,9 @@ class Block:
     z: heights of the layers; per_cell: spheres of a layer in one cell of a section; area: of that cell;
     kernel: of the smoothing (column_kernel), with which the weights of the exchange are those of the caps times it."""
 
-    def __init__(self, z, d, per_cell, area, faces, kernel=None):
+    def __init__(self, z, d, per_cell, area, faces, kernel=None, rho=1000.0, mu=1e-3):
         self.d, self.n, self.area = d, per_cell, area
+        self.rho, self.mu = rho, mu
         self.height = np.diff(faces)
         self.weights = cap_weights(z, d, faces)
         if kernel is not None:
@@ -68,11 +69,11 @@ class Block:
     def force_over_eps(self, w):
         """Sum over layers and cells of w_ic F(w, eps_i)/eps_c, N per cell of a section: drag and the force of
         the pressure gradient that drag makes (model A); in model B the drag itself is that."""
-        return self.n * (self.weights / self.eps).sum(1) @ di_felice(w, self.d, self.eps_layer)
+        return self.n * (self.weights / self.eps).sum(1) @ di_felice(w, self.d, self.eps_layer, self.rho, self.mu)
 
     def drag_per_height(self, w):
         """Drag in each cell over mixture volume, N/m3."""
-        return self.n * di_felice(w, self.d, self.eps_layer) @ self.weights / (self.area * self.height)
+        return self.n * di_felice(w, self.d, self.eps_layer, self.rho, self.mu) @ self.weights / (self.area * self.height)
 
 
 def flow_speed(block, length, rho=1000.0):
@@ -105,15 +106,15 @@ def flow_pressure(block, speed, rho=1000.0):
 class Settling:
     """A rigid block that sinks in a closed column it spans: no net flux, so the superficial slip is its speed."""
 
-    def __init__(self, layers, d, per_cell, area, faces, rho_s, rho=1000.0, kernel=None):
+    def __init__(self, layers, d, per_cell, area, faces, rho_s, rho=1000.0, kernel=None, mu=1e-3):
         """layers: heights over the lowest point of the block; the block's position is that of this point."""
         self.layers, self.d, self.n, self.area, self.faces = np.asarray(layers), d, per_cell, area, faces
         self.kernel = kernel
-        self.rho_s, self.rho = rho_s, rho
+        self.rho_s, self.rho, self.mu = rho_s, rho, mu
         self.weight = per_cell * len(layers) * sphere(d) * (rho_s - rho) * G
 
     def block(self, position):
-        return Block(self.layers + position, self.d, self.n, self.area, self.faces, self.kernel)
+        return Block(self.layers + position, self.d, self.n, self.area, self.faces, self.kernel, self.rho, self.mu)
 
     def quasi_steady(self, position, share=1.0):
         """Speed at which force/eps equals share of the buoyant weight."""

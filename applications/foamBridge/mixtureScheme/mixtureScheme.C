@@ -49,6 +49,8 @@ mixtureScheme::mixtureScheme
   const volScalarField& eps,
   const volVectorField& vp,
   const volVectorField& ap,
+  const volScalarField& answer,
+  const volScalarField& relay,
   const volScalarField& D,
   const volVectorField& G,
   const dimensionedVector& body
@@ -59,6 +61,8 @@ mixtureScheme::mixtureScheme
   eps_(eps),
   vp_(vp),
   ap_(ap),
+  answer_(answer),
+  relay_(relay),
   D_(D),
   G_(G),
   body_(body),
@@ -67,6 +71,8 @@ mixtureScheme::mixtureScheme
   Kf_(faceScalar(mesh, "Kf", dimless/dimTime)),
   dragExplicit_(faceVector(mesh, "dragExplicit", dimAcceleration)),
   inertia_(faceVector(mesh, "solidInertia", dimAcceleration)),
+  response_(faceScalar(mesh, "response", dimless)),
+  relayf_(faceScalar(mesh, "relay", dimless)),
   driven_(faceScalar(mesh, "driven", dimVolume/sqr(dimTime))),
   vpf_(faceVector(mesh, "vpf", dimVelocity)),
   m_(faceVector(mesh, "porosityNormal", dimless)),
@@ -78,7 +84,8 @@ mixtureScheme::mixtureScheme
   skew_(faceVector(mesh, "skew", dimArea)),
   orthogonal_(true),
   solids_(false),
-  uniform_(true)
+  uniform_(true),
+  responds_(false)
 {
   makeArms();
   makeSkew();
@@ -115,6 +122,16 @@ void mixtureScheme::update()
     dragExplicit_ = path(volVectorField(D_*solids + G_));
     inertia_ = path(volVectorField((1 - eps_)*ap_));
     jump_ = difference(rEps)*magSf;
+  }
+  responds_ = model_ == modelA && gMax(answer_) > 0;
+  if (responds_)
+  {
+    response_ = path(volScalarField(answer_*rEps))/rf_;
+    relayf_ = path(volScalarField(relay_*rEps))/rf_;
+    forAll(response_.boundaryField(), patchi) // solids cross no wall
+    {
+      if (!mesh_.boundary()[patchi].coupled()) response_.boundaryFieldRef()[patchi] = 0;
+    }
   }
   driven_ = (inertia_ & along_) + pressureFactor_*(body_ & along_);
 

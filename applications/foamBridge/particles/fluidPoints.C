@@ -41,7 +41,7 @@ void fluidPoints::readCoupling()
   readParams(couplingDict_, cpl_params_table, &coupling_);
   const wordList forces
   ({
-    "saffmanLift", "magnusLift", "rotationalDrag", "viscousStress"
+    "saffmanLift", "magnusLift", "rotationalDrag", "virtualMass", "viscousStress"
   });
   for (const word& force : forces)
   {

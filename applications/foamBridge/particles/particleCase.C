@@ -238,7 +238,7 @@ static word lastWritten(const Time& time)
 dem_t* createParticles
 (
   const polyMesh& mesh, const dictionary& properties, const part_box& box, const vector& gravity,
-  int carried, dem_params& params, bool& restarted
+  int carried, double added, dem_params& params, bool& restarted
 )
 {
   part_params_default(&dem_params_table, &params);
@@ -258,6 +258,7 @@ dem_t* createParticles
   checkStatus(dem_create(particleCommunicator(), &box, &params, &dem), properties);
   checkStatus(dem_carry(dem, carried), properties);
   addMaterials(dem, properties);
+  checkStatus(dem_add_mass(dem, added), properties);
   addContacts(dem, properties);
   addBonds(dem, properties);
   addLubrication(dem, properties);

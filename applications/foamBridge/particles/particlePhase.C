@@ -3,6 +3,7 @@
 
 #include "Time.H"
 #include "fvcCurl.H"
+#include "fvcGrad.H"
 #include "foamParams.H"
 #include "mathematicalConstants.H"
 #include "mixtureFields.H"
@@ -24,6 +25,15 @@ static int carriedVectors(const fvMesh& mesh)
 {
   return readConstant(mesh, "couplingProperties").getOrDefault<Switch>("selfDisturbance", false)
     ? CPL_MEMORY_VECTORS : 0;
+}
+
+/* Density (kg/m3 of particle) of the fluid that particles take along: their inertia is made at the
+ * start. What is not allowed is found when the dictionary is checked. */
+static scalar virtualDensity(const fvMesh& mesh, scalar fluidDensity)
+{
+  const IOdictionary dict(readConstant(mesh, "couplingProperties"));
+  if (!dict.getOrDefault<Switch>("virtualMass", false)) return 0;
+  return max(dict.getOrDefault<scalar>("virtualMassCoefficient", 0.5), scalar(0))*fluidDensity;
 }
 
 static const double* data(const vectorField& field)
@@ -63,7 +73,7 @@ static bool anyMoves(part_store* s)
 
 particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
 :
-  system_(mesh, fluid.gravity, carriedVectors(mesh)),
+  system_(mesh, fluid.gravity, carriedVectors(mesh), virtualDensity(mesh, fluid.density)),
   mesh_(mesh),
   fluid_(fluid),
   couplingDict_
@@ -91,6 +101,14 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
   (
     IOobject("epsParticles", mesh.time().timeName(), mesh, IOobject::READ_IF_PRESENT, IOobject::NO_WRITE),
     mesh, dimensionedScalar("one", dimless, 1), extrapolatedPatchTypes(mesh)
+  ),
+  acceleration_
+  (
+    IOobject
+    (
+      "fluidAcceleration", mesh.time().timeName(), mesh, IOobject::READ_IF_PRESENT, IOobject::NO_WRITE
+    ),
+    mesh, dimensionedVector(dimAcceleration, Zero), extrapolatedPatchTypes(mesh)
   ),
   pressureAcceleration_
   (
@@ -144,6 +162,7 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
     couplingDict_
   );
   if (!params_.two_way) epsParticles_.writeOpt() = IOobject::AUTO_WRITE;
+  if (params_.virtual_mass) acceleration_.writeOpt() = IOobject::AUTO_WRITE;
 }
 
 particlePhase::~particlePhase() { cpl_destroy(cpl_); }
@@ -262,6 +281,7 @@ void particlePhase::begin(scalar dt, const volVectorField& U, const volVectorFie
   cells.superficial = data(superficial);
   cells.pressure_gradient = data(gradient);
   cells.stress_divergence = data(divTau);
+  cells.acceleration = data(acceleration_.primitiveField());
   vectorField curl;
   if (params_.saffman_lift || params_.magnus_lift || params_.rotational_drag)
   {
@@ -276,7 +296,16 @@ void particlePhase::begin(scalar dt, const volVectorField& U, const volVectorFie
   }
 }
 
-void particlePhase::advance(scalar dt, volScalarField& eps, volVectorField& vp, volVectorField& ap)
+void particlePhase::accelerate(const volVectorField& U, const tmp<volVectorField>& ddtU)
+{
+  acceleration_.primitiveFieldRef() = (ddtU + (U & fvc::grad(U, "grad(U)")))().primitiveField();
+}
+
+void particlePhase::advance
+(
+  scalar dt, volScalarField& eps, volVectorField& vp, volVectorField& ap, volScalarField& answer,
+  volScalarField& relay
+)
 {
   system_.advance(dt);
   if (still_ && deposited_)
@@ -286,34 +315,53 @@ void particlePhase::advance(scalar dt, volScalarField& eps, volVectorField& vp, 
   }
   moved_ = !still_; // those that stand still come here after a write or restart, in a new order
   deposit(eps, vp);
-  if (params_.two_way) depositAcceleration(dt, ap);
+  if (params_.two_way) depositMotion(dt, ap, answer, relay);
 }
 
-/* Mean acceleration of the solids over the step, weighted by volume like their velocity. */
-void particlePhase::depositAcceleration(scalar dt, volVectorField& ap)
+/* Mean acceleration of the solids over the step, weighted by volume like their velocity, and what they
+ * will do about the pressure of the flow step that follows: how far they go, and how much of it their
+ * drag hands on to the fluid (M.16). */
+void particlePhase::depositMotion
+(
+  scalar dt, volVectorField& ap, volScalarField& answer, volScalarField& relay
+)
 {
   part_store* s = dem_store(dem_);
   const double* before = part_field_double(s, DEM_FIELD_VELOCITY_BEFORE);
   const int stride = part_field_stride(s, DEM_FIELD_VELOCITY_BEFORE);
-  List<double> change(3*view_.count);
+  List<double> motion(5*view_.count);
   for (int i = 0; i < view_.count; ++i)
   {
+    double* row = &motion[5*i];
     const double r = view_.radius[i*view_.radius_stride];
-    const double factor = 4.0/3.0*constant::mathematical::pi*r*r*r/dt;
+    const double volume = 4.0/3.0*constant::mathematical::pi*r*r*r;
     for (int d = 0; d < 3; ++d)
     {
-      change[3*i + d] = factor*(view_.velocity[i*view_.velocity_stride + d] - before[i*stride + d]);
+      row[d] = volume/dt*(view_.velocity[i*view_.velocity_stride + d] - before[i*stride + d]);
     }
+    row[3] = row[4] = 0;
+    // A block answers as a whole, and so late (M.16)
+    const int64_t kind = view_.kind[i*view_.kind_stride];
+    if (kind == DEM_FIXED || kind == DEM_BLOCK) continue;
+    const double inverseMass = view_.inverse_mass[i*view_.inverse_mass_stride];
+    const double x = view_.fluid_sp[i*view_.fluid_sp_stride]*dt*inverseMass;
+    const double kept = x > 0 ? -std::expm1(-x)/x : 1; // of a force over dt, what the particle keeps
+    row[3] = fluid_.density*sqr(volume)*inverseMass;
+    row[4] = volume*(1 - kept);
   }
-  vectorField& cells = ap.primitiveFieldRef();
-  cells = Zero;
-  checkStatus(cpl_deposit(cpl_, 3, change.cdata(), data(cells)), "particlePhase::advance");
-  forAll(cells, celli)
+  List<double> sums(5*mesh_.nCells(), 0.0);
+  checkStatus(cpl_deposit(cpl_, 5, motion.cdata(), sums.data()), "particlePhase::advance");
+  forAll(mesh_.V(), celli)
   {
     const scalar solid = mesh_.V()[celli]*(1 - epsParticles_[celli]);
-    cells[celli] = solid > SMALL*mesh_.V()[celli] ? cells[celli]/solid : vector(Zero);
+    const double* sum = &sums[5*celli];
+    ap[celli] = solid > SMALL*mesh_.V()[celli] ? vector(sum[0], sum[1], sum[2])/solid : vector(Zero);
+    answer[celli] = sum[3]/mesh_.V()[celli];
+    relay[celli] = sum[4]/mesh_.V()[celli];
   }
   ap.correctBoundaryConditions();
+  answer.correctBoundaryConditions();
+  relay.correctBoundaryConditions();
 }
 
 void particlePhase::source(scalar dt, volScalarField& D, volVectorField& G)
@@ -332,16 +380,20 @@ void particlePhase::source(scalar dt, volScalarField& D, volVectorField& G)
 void particlePhase::react
 (
   scalar dt, const volVectorField& pressure, const vectorField& drag, const vectorField& volume,
-  const volVectorField& stress
+  const vectorField& handed, const volVectorField& stress, scalar prediction
 )
 {
-  pressureAcceleration_ = pressure;
-  if (!params_.two_way) return;
+  if (!params_.two_way)
+  {
+    pressureAcceleration_ = pressure;
+    return;
+  }
   const scalarField& V = mesh_.V();
   forAll(volume, celli)
   {
     const scalar solid = V[celli]*(1 - epsParticles_[celli]);
-    if (solid > 1e-6*V[celli]) pressureAcceleration_[celli] = volume[celli]/solid;
+    const vector now = solid > 1e-6*V[celli] ? (volume[celli] + handed[celli])/solid : pressure[celli];
+    pressureAcceleration_[celli] += prediction*(now - pressureAcceleration_[celli]);
   }
   const vectorField dragImpulse(fluid_.density*dt*drag);
   vectorField volumeImpulse(fluid_.density*dt*volume);

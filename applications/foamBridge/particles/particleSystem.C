@@ -10,7 +10,7 @@
 namespace Foam
 {
 
-particleSystem::particleSystem(const polyMesh& mesh, const vector& gravity, int carried)
+particleSystem::particleSystem(const polyMesh& mesh, const vector& gravity, int carried, scalar added)
 :
   mesh_(mesh),
   dict_
@@ -23,7 +23,7 @@ particleSystem::particleSystem(const polyMesh& mesh, const vector& gravity, int 
   box_(foamMesh::box(mesh)),
   params_(),
   restarted_(false),
-  dem_(createParticles(mesh, dict_, box_, gravity, carried, params_, restarted_)),
+  dem_(createParticles(mesh, dict_, box_, gravity, carried, added, params_, restarted_)),
   substeps_(0),
   files_(mesh.time()),
   state_(),
@@ -128,6 +128,8 @@ void particleSystem::weigh(scalar& mass, vector& centre, scalar& energy) const
   const double* x = part_field_double(s, DEM_FIELD_POSITION);
   const double* inverseMass = part_field_double(s, DEM_FIELD_SPHERE_INVERSE_MASS);
   const int64_t* kind = part_field_int64(s, DEM_FIELD_KIND);
+  const double* material = part_field_double(s, DEM_FIELD_MATERIAL);
+  const int materialStride = part_field_stride(s, DEM_FIELD_MATERIAL);
   const int xStride = part_field_stride(s, DEM_FIELD_POSITION);
   const int massStride = part_field_stride(s, DEM_FIELD_SPHERE_INVERSE_MASS);
   const int kindStride = part_field_stride(s, DEM_FIELD_KIND);
@@ -136,7 +138,8 @@ void particleSystem::weigh(scalar& mass, vector& centre, scalar& energy) const
   for (int i = 0; i < s->local; ++i)
   {
     if (kind[i*kindStride] == DEM_FIXED) continue;
-    const scalar m = 1/inverseMass[i*massStride];
+    const scalar own = dem_own_share(dem_, int(material[i*materialStride])); // not the added mass
+    const scalar m = own/inverseMass[i*massStride];
     mass += m;
     centre += m*vector(x[i*xStride], x[i*xStride + 1], x[i*xStride + 2]);
   }

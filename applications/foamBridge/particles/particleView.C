@@ -20,6 +20,8 @@ cpl_particles particleView(dem_t* dem)
   v.inverse_mass_stride = part_field_stride(s, DEM_FIELD_SPHERE_INVERSE_MASS);
   v.angular_velocity = part_field_double(s, DEM_FIELD_ANGULAR_VELOCITY);
   v.angular_velocity_stride = part_field_stride(s, DEM_FIELD_ANGULAR_VELOCITY);
+  v.velocity_before = part_field_double(s, DEM_FIELD_VELOCITY_ENDED);
+  v.velocity_before_stride = part_field_stride(s, DEM_FIELD_VELOCITY_ENDED);
   v.id = part_field_int64(s, DEM_FIELD_ID);
   v.id_stride = part_field_stride(s, DEM_FIELD_ID);
   v.kind = part_field_int64(s, DEM_FIELD_KIND);

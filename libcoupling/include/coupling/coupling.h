@@ -67,8 +67,10 @@ typedef struct cpl_particles {
   const double *radius;       int radius_stride;
   const double *drag_radius;  int drag_radius_stride; /* NULL: radius; see cpl_fluid_force */
   const double *velocity;     int velocity_stride;
+  const double *velocity_before; int velocity_before_stride; /* virtualMass, two-way only: at the
+                                          end of the last advance, without the kick after it */
   const double *angular_velocity; int angular_velocity_stride; /* magnusLift, rotationalDrag only */
-  const double *inverse_mass; int inverse_mass_stride;
+  const double *inverse_mass; int inverse_mass_stride; /* virtualMass: of m + m_a */
   const int64_t *id;          int id_stride;
   const int64_t *kind;        int kind_stride; /* 0 free, 1 fixed, 2 member of a rigid block */
   double *fluid_su;           int fluid_su_stride; /* N, 3 components */
@@ -86,6 +88,7 @@ typedef struct cpl_cells {
   const double *pressure_gradient; /* [cells][3] in: grad p without the hydrostatic part, Pa/m */
   const double *stress_divergence; /* [cells][3] in: div tau, Pa/m */
   const double *curl; /* [cells][3] in: curl u of the interstitial velocity, 1/s; lift, turning */
+  const double *acceleration; /* [cells][3] in: Du/Dt of the interstitial velocity, m/s2; virtualMass */
   double *drag_coefficient; /* [cells] out: D, kg/(m3 s): drag on the fluid per mixture volume
                                is -(D U - G) with U superficial */
   double *drag_explicit;    /* [cells][3] out: G, N/m3 */
@@ -122,6 +125,8 @@ typedef struct cpl_params {
   int saffman_lift;       /* 1: lift by shear, Saffman-Mei */
   int magnus_lift;        /* 1: lift by spin */
   int rotational_drag;    /* 1: torque of the fluid, cpl_turning */
+  int virtual_mass;       /* 1: force m_a (Du/Dt - dv/dt), m_a = virtual_mass_coefficient rho_f V */
+  double virtual_mass_coefficient;
   int two_way;            /* 0: the fluid does not feel the particles (eps = 1, no source) */
 } cpl_params;
 extern const part_param_table cpl_params_table;

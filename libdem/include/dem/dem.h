@@ -57,9 +57,9 @@ typedef struct dem_params {
   double max_overlap;        /* of the smaller radius: ERR_OVERLAP at insertion, reported later */
   int64_t dimensions;        /* 3: spheres; 2: discs in a plane of constant z */
   double depth;              /* m, length of discs; positive with two dimensions, else 0 */
-  double balance_ratio;      /* repartition when the largest cost of a rank over the mean exceeds it */
-  int64_t first_id;          /* of the first particle inserted; up to 2^47 */
-  int skip;                  /* 1: leave out what the scene does not need (scene plan) */
+  double balance_ratio; /* repartition when the largest cost of a rank over the mean exceeds it */
+  int64_t first_id;     /* of the first particle inserted; up to 2^47 */
+  int skip;             /* 1: leave out what the scene does not need (scene plan) */
 } dem_params;
 extern const part_param_table dem_params_table;
 
@@ -69,7 +69,8 @@ typedef struct dem_material {
   double density;        /* kg/m3 */
   double youngs_modulus; /* Pa; 0: not given */
   double poisson_ratio;  /* NaN: not given; needed with youngs_modulus */
-  double breakage_coefficient; /* kg/J, C_br of Gao and Sun 2011 eq. 13; 0: impacts are not counted */
+  double
+      breakage_coefficient; /* kg/J, C_br of Gao and Sun 2011 eq. 13; 0: impacts are not counted */
 } dem_material;
 extern const part_param_table dem_material_table;
 
@@ -86,8 +87,8 @@ typedef struct dem_contact {
 } dem_contact;
 extern const part_param_table dem_contact_table;
 
-/* Linear parallel bonds between particles of two materials (doc/equations.md, B.1 to B.10; Wu et al.
- * 2018, sec. 3.2). */
+/* Linear parallel bonds between particles of two materials (doc/equations.md, B.1 to B.10; Wu et
+ * al. 2018, sec. 3.2). */
 typedef struct dem_bond {
   double normal_stiffness;    /* N/m3, per area; with the next, or 0 and youngs_modulus > 0 */
   double shear_stiffness;     /* N/m3 */
@@ -102,7 +103,8 @@ typedef struct dem_bond {
 } dem_bond;
 extern const part_param_table dem_bond_table;
 
-/* Lubrication between spheres, or discs: Wu et al. 2018, eq. 24 (doc/equations.md, B.11 to B.13). */
+/* Lubrication between spheres, or discs: Wu et al. 2018, eq. 24 (doc/equations.md, B.11 to B.13).
+ */
 typedef struct dem_lubrication {
   double viscosity; /* Pa s, of the fluid */
   double inner_gap; /* m, roughness: below it the force grows no more */
@@ -138,15 +140,10 @@ typedef struct dem_insert {
 } dem_insert;
 extern const part_param_table dem_insert_table;
 
-/* A wall and its motion: rows of dem/wall_params.def say what belongs to what. The place of a moving
- * wall is a function of time alone: s = min(max(t, start_time), stop_time) - start_time,
+/* A wall and its motion: rows of dem/wall_params.def say what belongs to what. The place of a
+ * moving wall is a function of time alone: s = min(max(t, start_time), stop_time) - start_time,
  * displacement velocity s + amplitude sin(2 pi frequency s) direction, angle rotation_rate s. */
-typedef enum {
-  DEM_WALL_PLANE,
-  DEM_WALL_CYLINDER,
-  DEM_WALL_TRIANGLES,
-  DEM_WALL_STL
-} dem_wall_type;
+typedef enum { DEM_WALL_PLANE, DEM_WALL_CYLINDER, DEM_WALL_TRIANGLES, DEM_WALL_STL } dem_wall_type;
 typedef enum { DEM_WALL_INSIDE, DEM_WALL_OUTSIDE } dem_wall_side;
 typedef struct dem_wall_params {
   int type;
@@ -158,10 +155,10 @@ typedef struct dem_wall_params {
   char file[PART_PARAM_WORD_LENGTH];
   double scale; /* m */
   int open;
-  double velocity[3], centre[3]; /* m/s, m */
-  double rotation_axis[3], rotation_rate;                     /* 1, rad/s */
-  double oscillation_amplitude, oscillation_frequency;        /* m, Hz */
-  double oscillation_direction[3], start_time, stop_time;     /* 1, s */
+  double velocity[3], centre[3];                          /* m/s, m */
+  double rotation_axis[3], rotation_rate;                 /* 1, rad/s */
+  double oscillation_amplitude, oscillation_frequency;    /* m, Hz */
+  double oscillation_direction[3], start_time, stop_time; /* 1, s */
 } dem_wall_params;
 extern const part_param_table dem_wall_table;
 
@@ -193,15 +190,16 @@ int dem_add_bonds(dem_t *dem, int a, int b, const dem_bond *bond);
 int dem_set_lubrication(dem_t *dem, const dem_lubrication *lubrication);
 
 /* Collective. A wall, known by its name; the materials are there. Triangles [count][3][3] (m, the
- * same on every rank, in any order) for type triangles, 0 and NULL otherwise. The elements of a wall
- * are numbered as its triangles were given; files do not depend on that order. ERR_RANGE,
- * ERR_ARGUMENT, ERR_IO, ERR_FORMAT: the text names the wall and the entry, or what is wrong with the
- * STL file (line, triangle, edge).
+ * same on every rank, in any order) for type triangles, 0 and NULL otherwise. The elements of a
+ * wall are numbered as its triangles were given; files do not depend on that order. ERR_RANGE,
+ * ERR_ARGUMENT, ERR_IO, ERR_FORMAT: the text names the wall and the entry, or what is wrong with
+ * the STL file (line, triangle, edge).
  *
  * In a periodic box a plane, and a cylinder with particles inside, go on through the border: the
  * normal is at right angles to every periodic direction, the axis along it. Other walls are seen
  * again one box length away, and move on without end. A wall turns only about an axis along the one
- * periodic direction; a plane only about its normal, an infinite cylinder about its own direction. */
+ * periodic direction; a plane only about its normal, an infinite cylinder about its own direction.
+ */
 int dem_add_wall(dem_t *dem, const char *name, const dem_wall_params *params, int count,
                  const double *vertices);
 /* Short forms for walls at rest. Local. normal points to the side where particles are. */
@@ -230,6 +228,15 @@ typedef struct dem_clump_shape_report {
  * together without given mass properties, moments that no body has). */
 int dem_get_clump_shape(dem_t *dem, const char *path, dem_clump_shape_report *report);
 
+/* Local, the same on every rank; after the materials, before insertion or dem_read. Free spheres
+ * have the inertia of so much more density (kg/m3, >= 0): the virtual mass of a fluid around them.
+ * Contacts, fluid forces and kicks move it, INVERSE_MASS and momentum contain it; weight, spin and
+ * kinetic energy do not. ERR_RANGE here, or in dem_start with blocks or clumps, whose added mass
+ * has another form. */
+int dem_add_mass(dem_t *dem, double density);
+/* Share of the inertia of a material that is its own, 1 without dem_add_mass. */
+double dem_own_share(const dem_t *dem, int material);
+
 /* Collective. Once after all of the above: distributes, sorts, lists, works out the plan. */
 int dem_start(dem_t *dem);
 
@@ -242,29 +249,31 @@ int dem_start(dem_t *dem);
  *
  * Collective. Advance by dt (s) in equal substeps no longer than the stable one, except that those
  * in which no contact can begin are taken as one (unless skip is off). *substeps (may be NULL): how
- * many were taken. The order of own particles may change (migration, sorting): ask dem_store and its
- * records again. ERR_NUMERIC, ERR_OUTSIDE: the text names id, place and time. */
+ * many were taken. The order of own particles may change (migration, sorting): ask dem_store and
+ * its records again. ERR_NUMERIC, ERR_OUTSIDE: the text names id, place and time. */
 int dem_advance(dem_t *dem, double dt, int *substeps);
 
 /* The particles. Fluid force of own particle i: fields FLUID_SU (N) and FLUID_SP (kg/s), constant
  * over dem_advance; field FLUID_IMPULSE (N s) is what the particle received from it, summed over
  * the substeps of the last dem_advance to round-off: sum m dv = contact + gravity + this. */
 part_store *dem_store(dem_t *dem);
-/* Vectors that each particle carries for its user (the coupling's memory of forces): they are zero at
- * first, then go wherever their particle goes, also to another rank and through restart files, and
- * libdem does not look at them. dem_carry before dem_start, the same on every rank; dem_carried is
- * [own particles][vectors][3] in the present order (dem_generation), NULL before dem_start. */
+/* Vectors that each particle carries for its user (the coupling's memory of forces): they are zero
+ * at first, then go wherever their particle goes, also to another rank and through restart files,
+ * and libdem does not look at them. dem_carry before dem_start, the same on every rank; dem_carried
+ * is [own particles][vectors][3] in the present order (dem_generation), NULL before dem_start. */
 int dem_carry(dem_t *dem, int vectors);
 double *dem_carried(dem_t *dem);
 /* Counts calls that changed the order of own particles, for caches outside. */
 long long dem_generation(const dem_t *dem);
 
-/* Local. Spin of free spheres relaxes for dt towards turn[0..2] (1/s) of turn[own particles][4], by the
- * torque turn[3] (N m s, >= 0) times the difference, in closed form. Other kinds are left alone. */
+/* Local. Spin of free spheres relaxes for dt towards turn[0..2] (1/s) of turn[own particles][4], by
+ * the torque turn[3] (N m s, >= 0) times the difference, in closed form. Other kinds are left
+ * alone. */
 int dem_relax_spin(dem_t *dem, const double *turn, double dt);
 /* Add impulse[3*i] (N s) to own particle i at once: dv = impulse/m (blocks: sum over all members,
  * collective; clumps: at the member's centre, so the clump turns; fixed: to the support). Counts as
- * fluid impulse in the budget. Collective. */
+ * fluid impulse in the budget. Field VELOCITY_ENDED keeps the velocity before the first kick after an
+ * advance. Collective. */
 int dem_kick(dem_t *dem, const double *impulse);
 
 double dem_time(const dem_t *dem); /* s, since the start of the simulation */
@@ -286,7 +295,8 @@ typedef struct dem_report {
    * in the budget: what they get, from the fluid too, goes to their support. */
   double budget_error;
   long long substeps, rebuilds;
-  double load_ratio; /* largest cost of a rank over the mean, when lists were built last; 1 rank: 0 */
+  double
+      load_ratio; /* largest cost of a rank over the mean, when lists were built last; 1 rank: 0 */
   int64_t bonds, broken_bonds; /* intact, broken since the beginning */
   double bond_energy;          /* J, elastic */
 } dem_report;
@@ -302,10 +312,10 @@ int dem_fluid_spheres(const dem_t *dem, double *volume_radius, double *drag_radi
 /* An intact bond between particles a and b, a < b. */
 typedef struct dem_bond_state {
   int64_t a, b;
-  int rule;         /* number of the dem_add_bonds call, from 0 */
-  double arm[3];    /* m, from a to b */
-  double force[3];  /* N, elastic, on b */
-  double moment[3]; /* N m, elastic, on b about the contact point */
+  int rule;                            /* number of the dem_add_bonds call, from 0 */
+  double arm[3];                       /* m, from a to b */
+  double force[3];                     /* N, elastic, on b */
+  double moment[3];                    /* N m, elastic, on b about the contact point */
   double tensile_stress, shear_stress; /* Pa, Wu et al. 2018 eq. 37-38; break at the strengths */
 } dem_bond_state;
 /* Those whose particle a is an own one. Valid until the next call that moves particles. Local. */
@@ -320,21 +330,22 @@ typedef struct dem_broken_bond {
 /* All that broke, by time and ids, the same on every rank. Valid until the next dem_advance. */
 int dem_broken_bonds(const dem_t *dem, const dem_broken_bond **bonds, size_t *count);
 
-/* ---- what walls feel -------------------------------------------------------------------------- */
+/* ---- what walls feel --------------------------------------------------------------------------
+ */
 int dem_wall_count(const dem_t *dem); /* numbers 0, 1, ... in the order they were added */
 int dem_find_wall(const dem_t *dem, const char *name, int *number); /* error: nearest name */
 
 typedef struct dem_wall_report {
-  const char *name;      /* valid as long as dem */
+  const char *name; /* valid as long as dem */
   int elements;
-  double centre[3];      /* m, now */
-  double velocity[3];    /* m/s, of centre, now */
-  double spin[3];        /* rad/s */
-  double force[3];       /* N, of particles on the wall, now */
-  double torque[3];      /* N m, about centre, now */
-  double impulse[3];     /* N s, of force since the start */
-  double spin_impulse[3];/* N m s, of torque since the start */
-  double work;           /* J, done by the moving wall on particles since the start */
+  double centre[3];       /* m, now */
+  double velocity[3];     /* m/s, of centre, now */
+  double spin[3];         /* rad/s */
+  double force[3];        /* N, of particles on the wall, now */
+  double torque[3];       /* N m, about centre, now */
+  double impulse[3];      /* N s, of force since the start */
+  double spin_impulse[3]; /* N m s, of torque since the start */
+  double work;            /* J, done by the moving wall on particles since the start */
 } dem_wall_report;
 /* Collective. The impulses of all walls together are -wall_impulse of dem_report to round-off. */
 int dem_get_wall_report(dem_t *dem, int wall, dem_wall_report *report);
@@ -342,15 +353,17 @@ int dem_get_wall_report(dem_t *dem, int wall, dem_wall_report *report);
 /* Wear (Gao and Sun 2011, eq. 12), with a wear_coefficient in some contact. Collective. For each
  * element of a wall as given (dem_wall_report.elements of them): shear[elements][materials], energy
  * (J) that particles of each material left on it since the start; volume[elements] (m3) worn off;
- * area[elements] (m2), infinite for what has no end: volume/area is the thickness. Any may be NULL. */
+ * area[elements] (m2), infinite for what has no end: volume/area is the thickness. Any may be NULL.
+ */
 int dem_get_wear(dem_t *dem, int wall, double *shear, double *volume, double *area);
 
 /* Is wear counted, are impacts? Known from dem_start on. Local. */
 void dem_wear_counted(const dem_t *dem, int *shear, int *impacts);
 
 typedef struct dem_impact {
-  double energy;   /* J, m_eff v_n^2/2 of all impacts since the start; of two particles half to each */
-  double mass;     /* kg, of the particles now */
+  double
+      energy;  /* J, m_eff v_n^2/2 of all impacts since the start; of two particles half to each */
+  double mass; /* kg, of the particles now */
   double breakage; /* eq. 13: C_br energy/mass */
 } dem_impact;
 /* Breakage (eq. 13) of the particles of a material, with a breakage_coefficient in some material.

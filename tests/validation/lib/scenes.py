@@ -44,10 +44,10 @@ def free(path, **more):
 
 
 def smooth(path, coupling=None, **more):
-    """The free spheres with everything exchanged through a smooth kernel, without their own disturbance, with lift and
-    torque of the fluid."""
+    """The free spheres with everything exchanged through a smooth kernel, without their own disturbance, with lift,
+    torque and virtual mass of the fluid."""
     words = {'smoothing': 'diffusion', 'bandwidth': 2.0, 'selfDisturbance': True, 'saffmanLift': True, 'magnusLift': True,
-             'rotationalDrag': True}
+             'rotationalDrag': True, 'virtualMass': (coupling or {}).get('model') != 'B'}  # B refuses it
     return free(path, coupling=dict(words, **(coupling or {})), **more)
 
 
