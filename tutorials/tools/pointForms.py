@@ -82,8 +82,13 @@ def fluid_fraction(length, diameter, n=81):
     return 1 - sphere(diameter) * (weight ** 2).sum() * step
 
 
-def coupling_length(case):
-    """Length of the exchange's kernel from constant/sphProperties, m (P.1)."""
+def entries_of(case):
+    """{name: value} of the numbers in constant/sphProperties."""
     with open(os.path.join(case, 'constant', 'sphProperties')) as source:
-        entries = dict(re.findall(r'(\w+)\s+([-+.\deE]+)\s*;', source.read()))
-    return float(entries.get('couplingLength', 2)) * float(entries['smoothingLength'])
+        return {name: float(value) for name, value in re.findall(r'(\w+)\s+(-?[\d.][-+.\deE]*)\s*;', source.read())}
+
+
+def coupling_length(case):
+    """Length of the exchange's kernel, m (P.1)."""
+    entries = entries_of(case)
+    return entries.get('couplingLength', 2) * entries['smoothingLength']
