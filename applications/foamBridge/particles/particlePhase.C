@@ -12,26 +12,16 @@
 namespace Foam
 {
 
-static IOdictionary readConstant(const fvMesh& mesh, const word& name)
-{
-  return IOdictionary
-  (
-    IOobject(name, mesh.time().constant(), mesh, IOobject::MUST_READ, IOobject::NO_WRITE)
-  );
-}
-
 /* Vectors that particles carry for the coupling; asked before the dictionary is checked. */
-static int carriedVectors(const fvMesh& mesh)
+static int carriedVectors(const dictionary& dict)
 {
-  return readConstant(mesh, "couplingProperties").getOrDefault<Switch>("selfDisturbance", false)
-    ? CPL_MEMORY_VECTORS : 0;
+  return dict.getOrDefault<Switch>("selfDisturbance", false) ? CPL_MEMORY_VECTORS : 0;
 }
 
 /* Density (kg/m3 of particle) of the fluid that particles take along: their inertia is made at the
  * start. What is not allowed is found when the dictionary is checked. */
-static scalar virtualDensity(const fvMesh& mesh, scalar fluidDensity)
+static scalar virtualDensity(const dictionary& dict, scalar fluidDensity)
 {
-  const IOdictionary dict(readConstant(mesh, "couplingProperties"));
   if (!dict.getOrDefault<Switch>("virtualMass", false)) return 0;
   return max(dict.getOrDefault<scalar>("virtualMassCoefficient", 0.5), scalar(0))*fluidDensity;
 }
@@ -73,9 +63,6 @@ static bool anyMoves(part_store* s)
 
 particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
 :
-  system_(mesh, fluid.gravity, carriedVectors(mesh), virtualDensity(mesh, fluid.density)),
-  mesh_(mesh),
-  fluid_(fluid),
   couplingDict_
   (
     IOobject
@@ -83,6 +70,12 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
       "couplingProperties", mesh.time().constant(), mesh, IOobject::MUST_READ_IF_MODIFIED, IOobject::NO_WRITE
     )
   ),
+  system_
+  (
+    mesh, fluid.gravity, carriedVectors(couplingDict_), virtualDensity(couplingDict_, fluid.density)
+  ),
+  mesh_(mesh),
+  fluid_(fluid),
   couplingDigest_(couplingDict_.digest()),
   frozenDigest_(couplingDict_.subOrEmptyDict("frozenFlow").digest()),
   meshView_(mesh),
