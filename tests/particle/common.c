@@ -2,6 +2,7 @@
 #include "common.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 static const part_record records[] = {
@@ -110,4 +111,61 @@ int world_size(void) {
   int size;
   MPI_Comm_size(MPI_COMM_WORLD, &size);
   return size;
+}
+
+long long sum_over_ranks(long long value) {
+  MPI_Allreduce(MPI_IN_PLACE, &value, 1, MPI_LONG_LONG, MPI_SUM, MPI_COMM_WORLD);
+  return value;
+}
+
+void each_domain(const part_box *box, int each, double r0, double r1, part_domain **domain,
+                 part_store **store) {
+  uint64_t seed = 1234 + (uint64_t)world_rank();
+  OK(part_domain_create(MPI_COMM_WORLD, box, domain));
+  OK(part_store_create(&test_layout, store));
+  fill_random(*store, each, (int64_t)each * world_rank(), box, r0, r1, &seed);
+  OK(part_domain_balance(*domain, *store, NULL));
+  OK(part_domain_migrate(*domain, *store, 0, NULL, NULL));
+}
+
+void shared_domain(const part_box *box, int n, int scattered, part_domain **domain,
+                   part_store **store) {
+  uint64_t seed = 11 + (uint64_t)world_rank();
+  OK(part_domain_create(MPI_COMM_WORLD, box, domain));
+  OK(part_store_create(&test_layout, store));
+  const int each = n / world_size(), rest = n - each * (world_size() - 1);
+  int mine = scattered ? each : 0;
+  if (world_rank() == 0)
+    mine = scattered ? rest : n;
+  const int64_t first = world_rank() == 0 ? 0 : rest + (int64_t)each * (world_rank() - 1);
+  fill_random(*store, mine, first, box, 0.01, 0.02, &seed);
+  OK(part_domain_balance(*domain, *store, NULL));
+  OK(part_domain_migrate(*domain, *store, 0, NULL, NULL));
+}
+
+void drop_domain(part_domain *domain, part_store *store) {
+  part_store_destroy(store);
+  part_domain_destroy(domain);
+}
+
+double *all_particles(const part_store *store, int *n) {
+  const int mine = 5 * store->local, size = world_size();
+  int *count = calloc(2 * (size_t)size, sizeof *count), *start = count + size;
+  double *own = calloc((size_t)mine + 1, sizeof *own);
+  for (int i = 0; i < store->local; i++) {
+    memcpy(own + 5 * i, position(store, i), 4 * sizeof *own);
+    own[5 * i + 4] = (double)*id_of(store, i);
+  }
+  MPI_Allgather(&mine, 1, MPI_INT, count, 1, MPI_INT, MPI_COMM_WORLD);
+  *n = 0;
+  for (int r = 0; r < size; r++) {
+    start[r] = *n;
+    *n += count[r];
+  }
+  double *all = calloc((size_t)*n + 1, sizeof *all);
+  MPI_Allgatherv(own, mine, MPI_DOUBLE, all, count, start, MPI_DOUBLE, MPI_COMM_WORLD);
+  *n /= 5;
+  free(own);
+  free(count);
+  return all;
 }

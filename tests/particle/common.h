@@ -58,5 +58,16 @@ void fill_random(part_store *store, int n, int64_t first_id, const part_box *box
 
 int world_rank(void);
 int world_size(void);
+long long sum_over_ranks(long long value);
+
+/* Domain, balanced and migrated, with so many particles of each rank, radii in [r0, r1]. */
+void each_domain(const part_box *box, int each, double r0, double r1, part_domain **domain,
+                 part_store **store);
+/* The same with n particles in all, made on rank 0 (scattered = 0) or on all. */
+void shared_domain(const part_box *box, int n, int scattered, part_domain **domain,
+                   part_store **store);
+void drop_domain(part_domain *domain, part_store *store);
+/* Own particles of all ranks, on every rank: x, y, z, r, id as five doubles. Free it. */
+double *all_particles(const part_store *store, int *n);
 
 #endif

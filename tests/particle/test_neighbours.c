@@ -9,8 +9,6 @@
 #include "../../libparticle/src/pairs_near.h"
 #include "particle/neighbours.h"
 
-enum { WIDTH = 3 };
-
 static const part_box free_box = {{0, 0, 0}, {1, 1, 1}, {0}, {0}};
 static const part_box periodic_box = {{0, 0, 0}, {1, 1, 1}, {1, 1, 1}, {0}};
 
@@ -50,16 +48,6 @@ static int compare(const part_store *store, double skin) {
   return compare_levels(store, NULL, skin);
 }
 
-static void set_up(const part_box *box, int each, double r0, double r1, part_domain **domain,
-                   part_store **store) {
-  uint64_t seed = 1234 + (uint64_t)world_rank();
-  OK(part_domain_create(MPI_COMM_WORLD, box, domain));
-  OK(part_store_create(&test_layout, store));
-  fill_random(*store, each, (int64_t)each * world_rank(), box, r0, r1, &seed);
-  OK(part_domain_balance(*domain, *store, NULL));
-  OK(part_domain_migrate(*domain, *store, 0, NULL, NULL));
-}
-
 static void fast_is_naive(void **state) {
   (void)state;
   for (int which = 0; which < 6; which++) {
@@ -68,7 +56,7 @@ static void fast_is_naive(void **state) {
     const part_box *box = which % 2 == 0 ? &free_box : &periodic_box;
     const double r0 = which < 2 ? 0.03 : 0.002, r1 = which < 4 ? 0.03 : 0.1; /* ratio 1, 15, 50 */
     const double skin = 0.005;
-    set_up(box, 400, r0, r1, &domain, &store);
+    each_domain(box, 400, r0, r1, &domain, &store);
     OK(part_domain_ghosts(domain, store, 2 * r1 + skin));
     assert_true(compare(store, skin) > 0);
     assert_true(compare(store, 0.0) > 0);
@@ -119,7 +107,7 @@ static void ghosts_of_what_is_needed(void **state) {
     part_store *store;
     part_levels levels;
     const double r1 = 0.1, q = ratio[which / 2], skin = 0.004;
-    set_up(which % 2 == 0 ? &free_box : &periodic_box, 600, r1 / q, r1, &domain, &store);
+    each_domain(which % 2 == 0 ? &free_box : &periodic_box, 600, r1 / q, r1, &domain, &store);
     power_law(store, r1, q);
     OK(part_domain_balance(domain, store, NULL));
     OK(part_domain_migrate(domain, store, 0, NULL, NULL));
@@ -154,7 +142,7 @@ static void trimmed_ghosts(void **state) {
     part_pairs *pairs;
     part_levels levels;
     const double r1 = 0.05, q = which < 2 ? 1.0 : 10.0, skin = 0.004;
-    set_up(which % 2 == 0 ? &free_box : &periodic_box, 300, r1 / q, r1, &domain, &store);
+    each_domain(which % 2 == 0 ? &free_box : &periodic_box, 300, r1 / q, r1, &domain, &store);
     part_levels_set(&levels, r1 / q, r1);
     OK(part_domain_sphere_ghosts(domain, store, F_R, &levels, skin));
     made += store->ghost;
@@ -243,7 +231,7 @@ static void wide_distributions(void **state) {
     part_store *store;
     part_levels levels, coarse = {2, {0.01, 0.1}};
     const double r1 = 0.1, q = ratio[which / 2], skin = 0.004;
-    set_up(which % 2 == 0 ? &free_box : &periodic_box, 300, r1 / q, r1, &domain, &store);
+    each_domain(which % 2 == 0 ? &free_box : &periodic_box, 300, r1 / q, r1, &domain, &store);
     power_law(store, r1, q);
     OK(part_domain_balance(domain, store, NULL));
     OK(part_domain_migrate(domain, store, 0, NULL, NULL));
@@ -306,7 +294,8 @@ static void near_variants(void **state) {
     for (int from = 0; near != NULL && from < 12; from++)
       for (int to = from; to <= N; to++) {
         const int n = near(&cells, from, to, x + 4 * from, 0.05, from / 2, found[0]);
-        const int m = part_near_variant(0)(&cells, from, to, x + 4 * from, 0.05, from / 2, found[1]);
+        const int m =
+            part_near_variant(0)(&cells, from, to, x + 4 * from, 0.05, from / 2, found[1]);
         assert_int_equal(n, m);
         assert_memory_equal(found[0], found[1], (size_t)n * sizeof(int));
         assert_true(to < N || n > 0);
@@ -376,185 +365,6 @@ static void bad_input(void **state) {
   part_store_destroy(store);
 }
 
-/* Data of a pair made from the two ids, odd under exchange; a third of the pairs has none. */
-static void pair_value(int64_t i, int64_t j, double data[WIDTH]) {
-  const int64_t low = i < j ? i : j, high = i < j ? j : i;
-  const double sign = i < j ? 1.0 : -1.0;
-  for (int w = 0; w < WIDTH; w++)
-    data[w] = (low + high) % 3 == 0 ? 0.0 : sign * (double)(low * 1000 + high + w);
-}
-
-static void put_values(part_pairs *pairs, const part_store *store) {
-  for (int i = 0; i < pairs->rows; i++)
-    for (int k = pairs->start[i]; k < pairs->start[i + 1]; k++)
-      pair_value(*id_of(store, i), *id_of(store, pairs->partner[k]), pairs->data + WIDTH * k);
-}
-
-/* Every listed pair that was there before has its data again; returns how many had some. */
-static int check_values(const part_pairs *pairs, const part_store *store, int all_known) {
-  int with_data = 0;
-  for (int i = 0; i < pairs->rows; i++)
-    for (int k = pairs->start[i]; k < pairs->start[i + 1]; k++) {
-      const double *data = pairs->data + WIDTH * (size_t)k;
-      double want[WIDTH];
-      pair_value(*id_of(store, i), *id_of(store, pairs->partner[k]), want);
-      const int blank = data[0] == 0.0 && data[1] == 0.0 && data[2] == 0.0;
-      for (int w = 0; w < WIDTH; w++)
-        assert_true(data[w] == want[w] || (!all_known && blank));
-      with_data += !blank;
-    }
-  return with_data;
-}
-
-static void history_through_everything(void **state) {
-  (void)state;
-  for (int which = 0; which < 2; which++) {
-    const part_box *box = which == 0 ? &free_box : &periodic_box;
-    const double r = 0.04, skin = 0.01;
-    part_domain *domain;
-    part_store *store;
-    part_pairs *pairs;
-    set_up(box, 500, r, r, &domain, &store);
-    OK(part_pairs_create(WIDTH, &pairs));
-    OK(part_domain_ghosts(domain, store, 2 * r + skin));
-    OK(part_pairs_build(pairs, store, F_R, NULL, skin));
-    for (int k = 0; k < WIDTH * pairs->start[pairs->rows]; k++)
-      assert_true(pairs->data[k] == 0.0);
-    put_values(pairs, store);
-    long long with_data = check_values(pairs, store, 1), again;
-    MPI_Allreduce(MPI_IN_PLACE, &with_data, 1, MPI_LONG_LONG, MPI_SUM, MPI_COMM_WORLD);
-    assert_true(with_data > 100);
-    for (int round = 0; round < 3; round++) {
-      /* Other parts (weights), migration with the data, sorting, new ghosts, new list. */
-      int *count;
-      void *entry;
-      OK(part_pairs_gather(pairs, store, &count, &entry));
-      double *weight = calloc((size_t)store->local + 1, sizeof *weight);
-      for (int i = 0; i < store->local; i++)
-        weight[i] = 1.0 + (double)round * 5.0 * position(store, i)[round % 3];
-      OK(part_domain_balance(domain, store, weight));
-      free(weight);
-      OK(part_domain_migrate(domain, store, part_pairs_entry_size(pairs), &count, &entry));
-      OK(part_domain_ghosts(domain, store, 2 * r + skin));
-      OK(part_pairs_build(pairs, store, F_R, NULL, skin));
-      OK(part_pairs_scatter(pairs, store, count, entry));
-      free(count);
-      free(entry);
-      again = check_values(pairs, store, 1);
-      MPI_Allreduce(MPI_IN_PLACE, &again, 1, MPI_LONG_LONG, MPI_SUM, MPI_COMM_WORLD);
-      if (world_size() == 1)
-        assert_true(again == with_data);
-      assert_true(again > 100);
-    }
-    /* Pairs part and new ones come: those have zeros. */
-    int *count;
-    void *entry;
-    OK(part_pairs_gather(pairs, store, &count, &entry));
-    for (int i = 0; i < store->local; i++)
-      position(store, i)[0] += 0.01 * sin(7.0 * (double)*id_of(store, i));
-    OK(part_domain_migrate(domain, store, part_pairs_entry_size(pairs), &count, &entry));
-    OK(part_domain_ghosts(domain, store, 2 * r + skin));
-    OK(part_pairs_build(pairs, store, F_R, NULL, skin));
-    OK(part_pairs_scatter(pairs, store, count, entry));
-    again = check_values(pairs, store, 0);
-    assert_true(again < pairs->start[pairs->rows] || pairs->rows == 0);
-    free(count);
-    free(entry);
-    part_pairs_destroy(pairs);
-    part_store_destroy(store);
-    part_domain_destroy(domain);
-  }
-}
-
-/* One large sphere with more partners than the short search is made for. */
-static void history_of_long_rows(void **state) {
-  (void)state;
-  part_store *store;
-  part_pairs *pairs;
-  uint64_t seed = 21;
-  int *count;
-  void *entry;
-  OK(part_store_create(&test_layout, &store));
-  fill_random(store, 500, 0, &free_box, 0.01, 0.01, &seed);
-  *radius(store, 250) = 0.4;
-  position(store, 250)[0] = position(store, 250)[1] = position(store, 250)[2] = 0.5;
-  OK(part_pairs_create(WIDTH, &pairs));
-  OK(part_pairs_build(pairs, store, F_R, NULL, 0.0));
-  put_values(pairs, store);
-  const int with_data = check_values(pairs, store, 1);
-  OK(part_pairs_gather(pairs, store, &count, &entry));
-  assert_true(count[250] > 50);
-  OK(part_pairs_build(pairs, store, F_R, NULL, 0.001));
-  OK(part_pairs_scatter(pairs, store, count, entry));
-  assert_int_equal(check_values(pairs, store, 0), with_data);
-  store->local = 499;
-  FAILS(PART_ERR_STATE, "rows", part_pairs_scatter(pairs, store, count, entry));
-  free(count);
-  free(entry);
-  FAILS(PART_ERR_STATE, "rows", part_pairs_gather(pairs, store, &count, &entry));
-  part_pairs_destroy(pairs);
-  part_store_destroy(store);
-}
-
-/* Any order before gives the same order after. */
-static void sort_is_canonical(void **state) {
-  (void)state;
-  enum { N = 3000 };
-  const part_box box = {{-1, 0, 0}, {1, 0.5, 2}, {0}, {0}};
-  const part_levels one_level = {1, {0.02}}, tiny = {1, {0.0}};
-  part_store *a, *b;
-  uint64_t seed = 4;
-  OK(part_store_create(&test_layout, &a));
-  OK(part_store_create(&test_layout, &b));
-  fill_random(a, N, 0, &box, 0.01, 0.02, &seed);
-  for (int i = 0; i < 40; i++) /* outside the box, and many in one cell */
-    position(a, i)[i % 3] += i % 2 == 0 ? 5.0 : -5.0;
-  for (int i = 40; i < 100; i++)
-    position(a, i)[0] = position(a, i)[1] = position(a, i)[2] = 0.2;
-  int first, order[N];
-  OK(part_store_append(b, N, &first));
-  memcpy(b->record[REC_XR], a->record[REC_XR], (size_t)N * 32);
-  memcpy(b->record[REC_V], a->record[REC_V], (size_t)N * 32);
-  memcpy(b->record[REC_ID], a->record[REC_ID], (size_t)N * 8);
-  memcpy(b->record[REC_CODE], a->record[REC_CODE], (size_t)N * 16);
-  for (int k = 0; k < N; k++)
-    order[k] = k;
-  for (int k = N - 1; k > 0; k--) {
-    const int other = below(&seed, k + 1), swap = order[k];
-    order[k] = order[other];
-    order[other] = swap;
-  }
-  OK(part_store_permute(b, order));
-  OK(part_sort(a, &box, F_R, &one_level, 0.02));
-  OK(part_sort(b, &box, F_R, &one_level, 0.02));
-  assert_memory_equal(a->record[REC_ID], b->record[REC_ID], (size_t)N * 8);
-  assert_memory_equal(a->record[REC_XR], b->record[REC_XR], (size_t)N * 32);
-  const int n[3] = {33, 8, 33};
-  int last = -1;
-  for (int i = 0; i < N; i++) {
-    int cell = 0;
-    assert_true(intact(a, i));
-    for (int d = 2; d >= 0; d--) {
-      const double at = (position(a, i)[d] - box.lo[d]) / (box.hi[d] - box.lo[d]) * n[d];
-      cell = cell * n[d] + (int)fmin(fmax(floor(at), 0.0), n[d] - 1);
-    }
-    assert_true(cell >= last);
-    assert_true(cell > last || *id_of(a, i) > *id_of(a, i - 1));
-    last = cell;
-  }
-  /* Tiny and huge cells; nobody. */
-  OK(part_sort(a, &box, F_R, &tiny, 1e-12));
-  OK(part_sort(b, &box, F_R, &tiny, 1e-12));
-  assert_memory_equal(a->record[REC_ID], b->record[REC_ID], (size_t)N * 8);
-  OK(part_sort(a, &box, F_R, &tiny, 1e12));
-  for (int i = 0; i < N; i++)
-    assert_int_equal(*id_of(a, i), i);
-  a->local = 0;
-  OK(part_sort(a, &box, F_R, &tiny, 0.1));
-  part_store_destroy(a);
-  part_store_destroy(b);
-}
-
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(fast_is_naive),
     cmocka_unit_test(wide_distributions),
@@ -565,8 +375,5 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(near_variants),
     cmocka_unit_test(unusual_places),
     cmocka_unit_test(bad_input),
-    cmocka_unit_test(history_through_everything),
-    cmocka_unit_test(history_of_long_rows),
-    cmocka_unit_test(sort_is_canonical),
 };
 RUN_WITH_MPI(tests)
