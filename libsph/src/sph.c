@@ -29,7 +29,8 @@ static int check_scheme(const sph_params *p) {
                      p->smoothing_length, ratio);
   if (p->density_scheme == SPH_CONTINUITY)
     return PART_OK;
-  if (p->density_diffusion > 0.0)
+  /* NaN, left out, must not be compared: whoever traps floating point exceptions would stop here. */
+  if (!isnan(p->density_diffusion) && p->density_diffusion > 0.0)
     return part_fail(PART_ERR_RANGE,
                      "%s: entry densityDiffusion: %g is not allowed with densityScheme summation, "
                      "must be 0 or left out",

@@ -162,12 +162,30 @@ static void errors_of_a_run(void **state) {
   sph_destroy(sph);
 }
 
+/* Of a fluid in a box without walls every outermost particle is at a free surface. */
+static void summation_at_a_surface(void **state) {
+  (void)state;
+  scene s = scene_2d(0.2, 0.2, 0.01);
+  s.params.density_scheme = SPH_SUMMATION;
+  sph_t *sph = scene_create(&s);
+  fill_box(sph, &s);
+  FAILS(PART_ERR_RANGE, "entry densityScheme: summation gives particle", sph_start(sph));
+  assert_non_null(strstr(part_last_error(), "must be continuity"));
+  sph_destroy(sph);
+  s.box.periodic[0] = s.box.periodic[1] = 1;
+  sph = scene_create(&s);
+  fill_box(sph, &s);
+  OK(sph_start(sph));
+  sph_destroy(sph);
+}
+
 int main(int argc, char **argv) {
   const struct CMUnitTest tests[] = {
       cmocka_unit_test(parameters),
       cmocka_unit_test(filling),
       cmocka_unit_test(order_of_calls),
       cmocka_unit_test(errors_of_a_run),
+      cmocka_unit_test(summation_at_a_surface),
   };
   MPI_Init(&argc, &argv);
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -56,6 +56,12 @@ sph_params readFluid
   params.viscosity = properties.viscosity;
   for (direction d = 0; d < 3; ++d) params.gravity[d] = properties.drive[d] - still[d];
   updateParams(dict, sph_params_table, &params, wordList({"coupling", "fill", "walls", "pressure"}));
+  if (params.density_scheme == SPH_SUMMATION && dict.found("fill"))
+  {
+    FatalIOErrorInFunction(dict)
+        << "entry 'densityScheme': summation is not for a free surface, which 'fill' makes; allowed: continuity"
+        << exit(FatalIOError);
+  }
   if (params.dimensions == 2 && solids)
   {
     FatalIOErrorInFunction(dict)

@@ -259,6 +259,12 @@ DynamicList<fluidWall> fluidWalls
     const List<FixedList<point, 3>> triangles(sorted(foamMesh::triangles(mesh, patch.index())));
     if (kind == NO_WALL)
     {
+      if (params.density_scheme == SPH_SUMMATION && returnReduce(patch.size(), sumOp<label>()))
+      {
+        FatalIOErrorInFunction(properties)
+            << "entry 'densityScheme': summation is not for a free surface, and patch " << patch.name()
+            << " is open; allowed: continuity, or pressure p_rgh" << exit(FatalIOError);
+      }
       open.append(triangles);
       continue;
     }
