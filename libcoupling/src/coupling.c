@@ -117,11 +117,12 @@ void cpl_destroy(cpl_t *cpl) {
   CPL_FREE(cpl->constant);
   CPL_FREE(cpl->curl);
   CPL_FREE(cpl->acceleration);
-  CPL_FREE(cpl->added);
-  CPL_FREE(cpl->turning);
   CPL_FREE(cpl->extra);
-  CPL_FREE(cpl->extra_cell);
+  CPL_FREE(cpl->turning);
+  CPL_FREE(cpl->told);
+  CPL_FREE(cpl->cell_told);
   CPL_FREE(cpl->inverse_eps);
+  CPL_FREE(cpl->reps);
   CPL_FREE(cpl->mean_d);
   CPL_FREE(cpl->spread);
   CPL_FREE(cpl->disturbance);

@@ -51,19 +51,20 @@ struct cpl_t {
   CPL_ARRAY(double) share;        /* [cells] sum_i w_ic b_i, kg/s: D V_c (B: D eps V_c) */
   CPL_ARRAY(double) implicit;     /* [count] b_i, kg/s (model B: b_i over sum_c w_ic/eps_c) */
   CPL_ARRAY(double) inverse_eps;  /* [count] sum_c w_ic/eps_c, model B only */
+  CPL_ARRAY(double) reps;         /* [cells] 1/eps_c, model B only */
   CPL_ARRAY(double) eps;          /* [count] sampled */
   CPL_ARRAY(double) superficial;  /* [count][3] sampled */
   CPL_ARRAY(double) curl;         /* [count][3] sampled, 1/s; lift, turning */
   CPL_ARRAY(double) acceleration; /* [count][3] sampled Du/Dt, m/s2; virtualMass */
-  CPL_ARRAY(double) added;        /* [count][3] m_a dv as located, N s; virtualMass */
   CPL_ARRAY(double) turning;      /* [count][4] see cpl_turning */
-  CPL_ARRAY(double) extra;        /* [count][3] N, extra forces as located; lift, virtual mass */
-  CPL_ARRAY(double) extra_cell;   /* [cells][3] N, their deposit */
-  CPL_ARRAY(double) constant;     /* [count][3] grad p and div tau forces, N */
-  CPL_ARRAY(double) spread;       /* [count] m2, variance of the kernel per axis; selfDisturbance */
-  CPL_ARRAY(double) disturbance;  /* [count][3] m/s; selfDisturbance */
-  CPL_ARRAY(double) mean_d;       /* [count] m, Sauter mean diameter around; drag that needs it */
-  int64_t outside;                /* particles outside the range of the drag law */
+  CPL_ARRAY(double) told;         /* [count][3] N, drag and extra forces that the cells were told */
+  CPL_ARRAY(double) extra;     /* [count][3] N, the part of told that is no drag; selfDisturbance */
+  CPL_ARRAY(double) cell_told; /* [cells][3] N, their deposit */
+  CPL_ARRAY(double) constant;  /* [count][3] grad p and div tau forces, N */
+  CPL_ARRAY(double) spread;    /* [count] m2, variance of the kernel per axis; selfDisturbance */
+  CPL_ARRAY(double) disturbance; /* [count][3] m/s; selfDisturbance */
+  CPL_ARRAY(double) mean_d;      /* [count] m, Sauter mean diameter around; drag that needs it */
+  int64_t outside;               /* particles outside the range of the drag law */
 
   /* of the last cpl_fluid_force, in the order of then */
   int force_count; /* -1: none yet */

@@ -2,19 +2,19 @@
 /* After the flow step: what the fluid really gave up in each cell goes to the particles there, and
  * the momentum budget of the exchange.
  *
- *   kick_i = b_i sum_c w_ic R_c/S_c + V_i sum_c w_ic Q_c/s_c - (impulse_i - buoyancy_i dt)
+ *   kick_i = T_i dt + b_i sum_c w_ic (R_c - T_c dt)/S_c + V_i sum_c w_ic Q_c/s_c
+ *            - (impulse_i - buoyancy_i dt)
  *
- * Extra forces F_i (lift), which the fluid got back as they are, are taken out of R_c by their
- * deposit and added to the kick as F_i dt: what is shared is drag alone.
- *
- * with R, Q the reactions through drag and through pressure and stress, S_c = sum_i w_ic b_i and
- * s_c = sum_i w_ic V_i. The sum over particles gives every R_c and Q_c exactly once. Buoyancy
- * -rho_f V g is known on both sides and is no part of the reactions. */
+ * with R, Q the reactions through drag and through pressure and stress, T_i the drag and extra
+ * forces that the cells were told of (source.c) and T_c their deposit, S_c = sum_i w_ic b_i and s_c
+ * = sum_i w_ic V_i. So what is shared as drag coefficients is only what the change of the fluid's
+ * velocity made: particles of one cell that move against each other, or have opposite lifts, each
+ * keep their own. The sum over particles gives every R_c and Q_c exactly once. Buoyancy -rho_f V g
+ * is known on both sides and is no part of the reactions. */
 #include <math.h>
 #include <string.h>
 #include "coupling_type.h"
 #include "exchange.h"
-#include "extra.h"
 #include "match.h"
 #include "virtual_mass.h"
 #include "wake.h"
@@ -38,15 +38,29 @@ static int bad_cell(const cpl_t *cpl, size_t c, int status, const char *what, co
                    r[1], r[2], c, x[0], x[1], x[2], what);
 }
 
-/* cell_work[cells][6] = R/S and Q/s. Drag in a cell whose particles have no drag coefficient (all
- * b_i = 0) is shared by volume. */
-static int divide(cpl_t *cpl, const double *drag, const double *volume, double dt) {
-  const int extra = cpl_uses_extra(&cpl->params);
+/* What the cells were told, at the particles' present place. */
+static int deposit_told(cpl_t *cpl) {
+  const int model_b = cpl->params.model == CPL_MODEL_B;
+  const size_t n = 3 * (size_t)cpl->mesh.cells, count = 3 * (size_t)cpl->count;
+  PART_TRY(cpl_agree(cpl, CPL_RESERVE(cpl->cell_told, n)));
+  memset(cpl->cell_told.data, 0, n * sizeof *cpl->cell_told.data);
+  const double *value = cpl->told.data;
+  for (size_t k = 0; model_b && k < count; k++)
+    cpl->particle_work2.data[k] = cpl->told.data[k] / cpl->inverse_eps.data[k / 3];
+  PART_TRY(cpl_spread(cpl, 3, model_b ? cpl->particle_work2.data : value, cpl->cell_told.data));
+  for (size_t k = 0; model_b && k < n; k++)
+    cpl->cell_told.data[k] *= cpl->reps.data[k / 3];
+  return PART_OK;
+}
+
+/* cell_work[cells][6] = (R - T dt)/S and Q/s; T 0 without kicks. Drag in a cell whose particles
+ * have no drag coefficient (all b_i = 0) is shared by volume. */
+static int divide(cpl_t *cpl, const double *drag, const double *volume, double dt, int kicks) {
   for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
     const double *q = volume ? volume + 3 * c : ZERO;
     double r[3];
     for (size_t d = 0; d < 3; d++)
-      r[d] = (drag ? drag[3 * c + d] : 0.0) - (extra ? cpl->extra_cell.data[3 * c + d] * dt : 0.0);
+      r[d] = (drag ? drag[3 * c + d] : 0.0) - (kicks ? cpl->cell_told.data[3 * c + d] * dt : 0.0);
     double *row = cpl->cell_work.data + 6 * c;
     memset(row, 0, 6 * sizeof *row);
     if (!finite3(r) || !finite3(q))
@@ -65,16 +79,15 @@ static int divide(cpl_t *cpl, const double *drag, const double *volume, double d
   return PART_OK;
 }
 
-/* kick[view order] = shares of the reactions. */
+/* kick[view order] = what they were told, and shares of the rest. */
 static int share_out(cpl_t *cpl, const cpl_particles *p, double dt, double *kick) {
-  const int extra = cpl_uses_extra(&cpl->params);
   PART_TRY(cpl_gather(cpl, 6, cpl->cell_work.data, cpl->particle_work.data));
   for (size_t i = 0; i < (size_t)cpl->count; i++)
     for (size_t d = 0; d < 3; d++)
       cpl->particle_work2.data[3 * i + d] =
+          cpl->told.data[3 * i + d] * dt +
           cpl->implicit.data[i] * cpl->particle_work.data[6 * i + d] +
-          cpl->volume.data[i] * cpl->particle_work.data[6 * i + 3 + d] +
-          (extra ? cpl->extra.data[3 * i + d] * dt : 0.0);
+          cpl->volume.data[i] * cpl->particle_work.data[6 * i + 3 + d];
   int status = CPL_RESERVE(cpl->id_work, p->count);
   PART_TRY(cpl_agree(cpl, status));
   for (int i = 0; i < p->count; i++)
@@ -114,7 +127,6 @@ static void settle(const cpl_t *cpl, const cpl_particles *p, double dt, double *
 
 /* No particle can move: what the cells' particles got together, without a pass over them. */
 static void settle_cells(const cpl_t *cpl, double dt, double *sum) {
-  const int extra = cpl_uses_extra(&cpl->params);
   double solid = 0.0, weight[3];
   for (int i = 0; i < cpl->count; i++)
     solid += cpl->volume.data[i];
@@ -127,8 +139,7 @@ static void settle_cells(const cpl_t *cpl, double dt, double *sum) {
   for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++)
     for (size_t d = 0; d < 3; d++)
       sum[PARTICLES + d] += cpl->cell_work.data[6 * c + d] * cpl->share.data[c] +
-                            cpl->cell_work.data[6 * c + 3 + d] * cpl->solid.data[c] +
-                            (extra ? cpl->extra_cell.data[3 * c + d] * dt : 0.0);
+                            cpl->cell_work.data[6 * c + 3 + d] * cpl->solid.data[c];
 }
 
 static void close_budget(cpl_t *cpl, const double *drag, const double *volume, double *sum) {
@@ -174,9 +185,10 @@ static int reaction(cpl_t *cpl, const cpl_particles *particles, const double *dr
     status = CPL_RESERVE(cpl->particle_work, 6 * (size_t)cpl->count);
   if (status == PART_OK)
     status = CPL_RESERVE(cpl->particle_work2, 3 * (size_t)cpl->count);
-  if (status == PART_OK)
-    status = divide(cpl, drag, volume, dt);
   PART_TRY(cpl_agree(cpl, status));
+  if (kick)
+    PART_TRY(deposit_told(cpl));
+  PART_TRY(cpl_agree(cpl, divide(cpl, drag, volume, dt, kick != NULL)));
   double sum[TERMS] = {0.0};
   if (kick) {
     if (cpl->wake)

@@ -9,8 +9,7 @@
  * by b_i dU, what a particle takes that relaxes towards the new velocity: never more than m_i du.
  * The difference between what the fluid then really gave and J_i is the particle's kick.
  *
- * J_i holds the extra forces too (lift, virtual mass), so G gives them back to the cells;
- * extra_cell is how much of it, for cpl_reaction.
+ * J_i holds the extra forces too (lift, virtual mass), so G gives them back to the cells.
  *
  * Model B: the momentum of a sphere goes to its cells as w_ic/eps_c, see forces.c; with
  * e_i = sum_c w_ic/eps_c, D_c = sum_i w_ic b_i/(e_i eps_c V_c), and G_c likewise. */
@@ -46,43 +45,32 @@ static int order_force(cpl_t *cpl) {
   return status;
 }
 
-/* particle_work2[count][4] = impulse and inverse mass (0: fixed) in the order of cpl_locate. */
-static int order_impulse(cpl_t *cpl, const cpl_particles *p) {
-  cpl_match *match;
-  PART_TRY(match_view(cpl, p, &match));
-  CPL_ARRAY(double) view = {NULL, 0};
-  int status = CPL_RESERVE(view, 4 * (size_t)p->count);
-  if (status == PART_OK)
-    status = CPL_RESERVE(cpl->particle_work2, 4 * (size_t)cpl->count);
-  status = cpl_agree(cpl, status);
-  for (int i = 0; status == PART_OK && i < p->count; i++) {
-    double *row = view.data + 4 * (size_t)i;
-    cpl_received(cpl, p, i, row, NULL);
-    const int fixed = p->kind && p->kind[(size_t)i * (size_t)p->kind_stride] == 1;
-    row[3] = fixed ? 0.0 : *cpl_at(p->inverse_mass, p->inverse_mass_stride, i);
-  }
-  if (status == PART_OK)
-    status = cpl_match_move(match, 4, view.data, cpl->particle_work2.data);
-  CPL_FREE(view);
-  cpl_match_destroy(match);
-  return status;
+/* Of a particle: impulse received, inverse mass (0: fixed), and m_a dv if virtualMass asks for it.
+ */
+enum { IMPULSE = 0, INVERSE_MASS = 3, ADDED = 4, IMPULSE_WIDTH = 7 };
+
+static int impulse_width(const cpl_t *cpl) {
+  return cpl->params.virtual_mass ? IMPULSE_WIDTH : ADDED;
 }
 
-/* added[count][3] = m_a dv in the order of cpl_locate. */
-static int order_added(cpl_t *cpl, const cpl_particles *p) {
+/* particle_work2[count][impulse_width] in the order of cpl_locate. */
+static int order_impulse(cpl_t *cpl, const cpl_particles *p) {
+  const int width = impulse_width(cpl);
   cpl_match *match;
   PART_TRY(match_view(cpl, p, &match));
   CPL_ARRAY(double) view = {NULL, 0};
-  int status = CPL_RESERVE(view, 3 * (size_t)p->count);
+  int status = CPL_RESERVE(view, (size_t)width * (size_t)p->count);
   if (status == PART_OK)
-    status = CPL_RESERVE(cpl->added, 3 * (size_t)cpl->count);
+    status = CPL_RESERVE(cpl->particle_work2, (size_t)width * (size_t)cpl->count);
   status = cpl_agree(cpl, status);
   for (int i = 0; status == PART_OK && i < p->count; i++) {
-    double impulse[3];
-    cpl_received(cpl, p, i, impulse, view.data + 3 * (size_t)i);
+    double *row = view.data + (size_t)width * (size_t)i;
+    cpl_received(cpl, p, i, row + IMPULSE, width > ADDED ? row + ADDED : NULL);
+    const int fixed = p->kind && p->kind[(size_t)i * (size_t)p->kind_stride] == 1;
+    row[INVERSE_MASS] = fixed ? 0.0 : *cpl_at(p->inverse_mass, p->inverse_mass_stride, i);
   }
   if (status == PART_OK)
-    status = cpl_match_move(match, 3, view.data, cpl->added.data);
+    status = cpl_match_move(match, width, view.data, cpl->particle_work2.data);
   CPL_FREE(view);
   cpl_match_destroy(match);
   return status;
@@ -94,60 +82,43 @@ static double relaxed(double x) {
   return x > 0.0 ? -expm1(-x) / x : 1.0;
 }
 
-/* sum_c w_ic/eps_c where the particles are now. */
+/* 1/eps_c, and sum_c w_ic/eps_c where the particles are now. */
 static int sample_inverse_eps(cpl_t *cpl, const cpl_cells *cells) {
   for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++)
-    cpl->cell_work.data[c] = 1.0 / cells->eps[c];
-  return cpl_gather(cpl, 1, cpl->cell_work.data, cpl->inverse_eps.data);
+    cpl->reps.data[c] = 1.0 / cells->eps[c];
+  return cpl_gather(cpl, 1, cpl->reps.data, cpl->inverse_eps.data);
 }
 
+/* particle_work: force states; particle_work2: impulses, becomes [count][4] with the values to
+ * deposit, b and g. */
 static int implicit_parts(cpl_t *cpl, double dt) {
-  const int model_b = cpl->params.model == CPL_MODEL_B;
-  for (int i = 0; i < cpl->count; i++) {
-    const double *force = cpl->particle_work.data + (size_t)i * CPL_FORCE_WIDTH;
-    double *row = cpl->particle_work2.data + 4 * (size_t)i; /* impulse, 1/m -> b, G */
-    const double sp = force[CPL_FORCE_SP], inverse_mass = row[3];
-    const double b = sp * relaxed(sp * dt * inverse_mass) / force[CPL_FORCE_EPS];
-    double g[3];
+  const int model_b = cpl->params.model == CPL_MODEL_B, width = impulse_width(cpl);
+  const int lifted = cpl->wake && cpl_uses_extra(&cpl->params);
+  for (size_t i = 0; i < (size_t)cpl->count; i++) {
+    const double *force = cpl->particle_work.data + i * CPL_FORCE_WIDTH;
+    const double *from = cpl->particle_work2.data + i * (size_t)width;
+    double *row = cpl->particle_work2.data + 4 * i; /* never ahead of from */
+    double *told = cpl->told.data + 3 * i, g[3];
+    const double sp = force[CPL_FORCE_SP];
+    const double b = sp * relaxed(sp * dt * from[INVERSE_MASS]) / force[CPL_FORCE_EPS];
     for (int d = 0; d < 3; d++) {
-      const double drag = row[d] / dt - force[CPL_FORCE_CONSTANT + d];
-      g[d] = b * force[CPL_FORCE_U + d] - drag;
+      if (lifted)
+        cpl->extra.data[3 * i + (size_t)d] =
+            force[CPL_FORCE_EXTRA + d] - (width > ADDED ? from[ADDED + d] / dt : 0.0);
+      told[d] = from[IMPULSE + d] / dt - force[CPL_FORCE_CONSTANT + d];
+      g[d] = b * force[CPL_FORCE_U + d] - told[d];
     }
     if (!isfinite(b) || !isfinite(g[0]) || !isfinite(g[1]) || !isfinite(g[2]))
       return part_fail(PART_ERR_NUMERIC,
                        "coupling: the momentum source of particle %lld is not finite (impulse (%g "
                        "%g %g) N s, drag coefficient %g kg/s)",
-                       (long long)cpl->id.data[i], row[0], row[1], row[2], sp);
+                       (long long)cpl->id.data[i], from[0], from[1], from[2], sp);
     const double part = model_b ? 1.0 / cpl->inverse_eps.data[i] : 1.0;
     cpl->implicit.data[i] = b * part;
     row[0] = b * part;
     for (int d = 0; d < 3; d++)
       row[1 + d] = g[d] * part;
   }
-  return PART_OK;
-}
-
-/* Extra forces and their deposit; particle_work holds the force states. */
-static int deposit_extra(cpl_t *cpl, const cpl_cells *cells, double dt) {
-  const int model_b = cpl->params.model == CPL_MODEL_B;
-  const size_t n = 3 * (size_t)cpl->mesh.cells, count = (size_t)cpl->count;
-  int status = CPL_RESERVE(cpl->extra, 3 * count);
-  if (status == PART_OK)
-    status = CPL_RESERVE(cpl->extra_cell, n);
-  PART_TRY(cpl_agree(cpl, status));
-  double *part = cpl->particle_work.data; /* packed in place: 3 of CPL_FORCE_WIDTH */
-  for (size_t i = 0; i < count; i++)
-    for (size_t d = 0; d < 3; d++) {
-      const double taken = cpl->params.virtual_mass ? cpl->added.data[3 * i + d] / dt : 0.0;
-      const double force =
-          cpl->particle_work.data[i * CPL_FORCE_WIDTH + CPL_FORCE_EXTRA + d] - taken;
-      cpl->extra.data[3 * i + d] = force;
-      part[3 * i + d] = model_b ? force / cpl->inverse_eps.data[i] : force;
-    }
-  memset(cpl->extra_cell.data, 0, n * sizeof *cpl->extra_cell.data);
-  PART_TRY(cpl_spread(cpl, 3, part, cpl->extra_cell.data));
-  for (size_t k = 0; model_b && k < n; k++)
-    cpl->extra_cell.data[k] /= cells->eps[k / 3];
   return PART_OK;
 }
 
@@ -178,6 +149,19 @@ static int check_source(const cpl_t *cpl, const cpl_cells *cells, double dt) {
   return PART_OK;
 }
 
+static int reserve_source(cpl_t *cpl) {
+  const size_t n = (size_t)cpl->mesh.cells, count = (size_t)cpl->count;
+  PART_TRY(CPL_RESERVE(cpl->implicit, count));
+  PART_TRY(CPL_RESERVE(cpl->told, 3 * count));
+  PART_TRY(CPL_RESERVE(cpl->cell_work, 4 * n));
+  if (cpl->wake && cpl_uses_extra(&cpl->params))
+    PART_TRY(CPL_RESERVE(cpl->extra, 3 * count));
+  if (cpl->params.model != CPL_MODEL_B)
+    return PART_OK;
+  PART_TRY(CPL_RESERVE(cpl->inverse_eps, count));
+  return CPL_RESERVE(cpl->reps, n);
+}
+
 static int momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells *cells,
                            double dt) {
   const size_t n = (size_t)cpl->mesh.cells;
@@ -189,21 +173,12 @@ static int momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells
   }
   PART_TRY(order_force(cpl));
   PART_TRY(order_impulse(cpl, particles));
-  if (cpl->params.virtual_mass)
-    PART_TRY(order_added(cpl, particles));
-  int status = CPL_RESERVE(cpl->implicit, cpl->count);
-  if (status == PART_OK)
-    status = CPL_RESERVE(cpl->cell_work, 4 * n);
-  if (status == PART_OK && cpl->params.model == CPL_MODEL_B)
-    status = CPL_RESERVE(cpl->inverse_eps, cpl->count);
+  int status = reserve_source(cpl);
   PART_TRY(cpl_agree(cpl, status));
   if (cpl->params.model == CPL_MODEL_B)
     PART_TRY(sample_inverse_eps(cpl, cells));
-  if (status == PART_OK)
-    status = implicit_parts(cpl, dt);
+  status = implicit_parts(cpl, dt);
   PART_TRY(cpl_agree(cpl, status));
-  if (cpl_uses_extra(&cpl->params))
-    PART_TRY(deposit_extra(cpl, cells, dt));
   memset(cpl->cell_work.data, 0, 4 * n * sizeof(double));
   PART_TRY(cpl_spread(cpl, 4, cpl->particle_work2.data, cpl->cell_work.data));
   write_source(cpl, cells);

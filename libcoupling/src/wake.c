@@ -6,6 +6,7 @@
  * undisturbed velocity. In a bed it goes to 1 over the number of particles in the kernel: what many
  * particles give to the fluid is not a disturbance of one, it is the mean flow of the drag law. */
 #include "wake.h"
+#include "extra.h"
 #include <math.h>
 #include <string.h>
 
@@ -75,6 +76,7 @@ int cpl_wake_velocity(cpl_t *cpl, const cpl_particles *p) {
 int cpl_wake_remember(cpl_t *cpl, const cpl_particles *p, cpl_match *match, double dt) {
   PART_TRY(cpl_agree(cpl, check_memory(p)));
   const double nu = cpl->fluid.viscosity / cpl->fluid.density;
+  const int lifted = cpl_uses_extra(&cpl->params);
   double *row = cpl->particle_work2.data; /* free now: 4 per particle; drag force, T */
   int status = CPL_RESERVE(cpl->particle_work2, 4 * (size_t)cpl->count);
   CPL_ARRAY(double) view = {NULL, 0};
@@ -83,8 +85,8 @@ int cpl_wake_remember(cpl_t *cpl, const cpl_particles *p, cpl_match *match, doub
   row = cpl->particle_work2.data;
   for (size_t i = 0; status == PART_OK && i < (size_t)cpl->count; i++) {
     for (size_t d = 0; d < 3; d++)
-      row[4 * i + d] =
-          cpl->implicit.data[i] * cpl->particle_work.data[6 * i + d] / dt; /* as in reaction.c */
+      row[4 * i + d] = cpl->told.data[3 * i + d] - (lifted ? cpl->extra.data[3 * i + d] : 0.0) +
+                       cpl->implicit.data[i] * cpl->particle_work.data[6 * i + d] / dt;
     row[4 * i + 3] = cpl->spread.data[i] / nu;
   }
   status = cpl_agree(cpl, status);

@@ -12,6 +12,11 @@ static void must(int ok, const char *what) {
   MPI_Abort(MPI_COMM_WORLD, 1);
 }
 
+const mesh_options scene_meshes[2] = {
+    {.kind = MESH_HEX, .n = {5, 4, 3}, .hi = {1, 0.8, 0.6}, .periodic = {1, 0, 0}},
+    {.kind = MESH_POLY, .n = {3, 3, 3}, .hi = {1, 0.8, 0.6}, .warp = 0.1, .seed = 8},
+};
+
 cpl_params scene_params(void) {
   cpl_params p;
   part_params_default(&cpl_params_table, &p);
@@ -188,4 +193,18 @@ double max_over(MPI_Comm comm, double value) {
 double number_of(uint64_t key) {
   uint64_t state = key * UINT64_C(0x9e3779b97f4a7c15) + 12345;
   return 2.0 * mesh_random(&state) - 1.0;
+}
+
+double scene_row_volume(const double *row) {
+  return 4.0 / 3.0 * 3.14159265358979323846 * row[ROW_R] * row[ROW_R] * row[ROW_R];
+}
+
+void scene_receive(scene *s, double dt) {
+  for (int i = 0; i < s->view.count; i++) {
+    double *row = s->row + i * ROW_WIDTH;
+    const double x = row[ROW_SP] * row[ROW_IMASS] * dt;
+    const double f = s->number[2 * i + 1] == 1 ? 1.0 : -expm1(-x) / x;
+    for (int d = 0; d < 3; d++)
+      row[ROW_J + d] = f * dt * (row[ROW_SU + d] - row[ROW_SP] * row[ROW_V + d]);
+  }
 }

@@ -43,6 +43,9 @@ typedef struct particle {
   int kind;
 } particle;
 
+/* Hexahedra, periodic in x, and warped polyhedra, in the same box. */
+extern const mesh_options scene_meshes[2];
+
 cpl_params scene_params(void); /* defaults with drag diFelice */
 cpl_fluid scene_water(void);
 
@@ -63,6 +66,10 @@ void scene_free(scene *s);
 void scene_random(const mesh_options *options, int count, double r_min, double r_max, uint64_t seed,
                   particle *all);
 double scene_volume(const particle *p); /* of the sphere, m3 */
+double scene_row_volume(const double *row);
+/* The impulse that implicit steps would give: m (v1 - v0) of m dv/dt = Su - Sp v, m of ROW_IMASS;
+ * fixed: F dt. */
+void scene_receive(scene *s, double dt);
 /* What the void fraction leaves to solids in cell c of this rank, m3. */
 double scene_solid(const scene *s, int c);
 /* Whole-mesh number of cell c of this rank. */

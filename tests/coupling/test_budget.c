@@ -13,16 +13,6 @@
 #include "scene.h"
 
 enum { MANY = 200 };
-static const double PI = 3.14159265358979323846;
-static const mesh_options meshes[] = {
-    {.kind = MESH_HEX, .n = {5, 4, 3}, .hi = {1, 0.8, 0.6}, .periodic = {1, 0, 0}},
-    {.kind = MESH_POLY, .n = {3, 3, 3}, .hi = {1, 0.8, 0.6}, .warp = 0.1, .seed = 8},
-};
-
-static double volume_of(const double *row) {
-  return 4.0 / 3.0 * PI * row[ROW_R] * row[ROW_R] * row[ROW_R];
-}
-
 static void start(scene *s, const mesh_options *options, int model, particle *all) {
   cpl_params params = scene_params();
   const cpl_fluid fluid = scene_water();
@@ -40,17 +30,6 @@ static void couple(scene *s) {
   scene_fluid(s);
   assert_int_equal(cpl_sample_fluid(s->cpl, &s->view, &s->cells), PART_OK);
   assert_int_equal(cpl_fluid_force(s->cpl, &s->view), PART_OK);
-}
-
-/* The impulse that implicit steps would give: m (v1 - v0) of m dv/dt = Su - Sp v; fixed: F dt. */
-static void receive(scene *s, double dt) {
-  for (int i = 0; i < s->view.count; i++) {
-    double *row = s->row + i * ROW_WIDTH;
-    const double x = row[ROW_SP] * row[ROW_IMASS] * dt;
-    const double f = s->number[2 * i + 1] == 1 ? 1.0 : -expm1(-x) / x;
-    for (int d = 0; d < 3; d++)
-      row[ROW_J + d] = f * dt * (row[ROW_SU + d] - row[ROW_SP] * row[ROW_V + d]);
-  }
 }
 
 /* What a flow step would give up: drag of a new velocity, and pressure on the solid. */
@@ -74,7 +53,7 @@ static void test_source_is_the_impulse(void **state) {
   for (int model = 0; model < 2; model++)
     for (int fixed = 0; fixed < 2; fixed++) {
       scene s;
-      start(&s, &meshes[0], model, all);
+      start(&s, &scene_meshes[0], model, all);
       for (int i = 0; i < MANY; i++)
         all[i].kind = fixed;
       scene_particles(&s, MANY, all, 0, 0);
@@ -84,7 +63,7 @@ static void test_source_is_the_impulse(void **state) {
         memcpy(s.superficial + 3 * c, u, sizeof u);
       assert_int_equal(cpl_sample_fluid(s.cpl, &s.view, &s.cells), PART_OK);
       assert_int_equal(cpl_fluid_force(s.cpl, &s.view), PART_OK);
-      receive(&s, dt);
+      scene_receive(&s, dt);
       assert_int_equal(cpl_momentum_source(s.cpl, &s.view, &s.cells, dt), PART_OK);
       double taken[3] = {0}, received[3] = {0}, size = 0.0;
       for (int c = 0; c < s.mesh.view.cells; c++)
@@ -123,7 +102,7 @@ static void test_stiff(void **state) {
     couple(&s);
     const double mass = 1.0 / s.row[ROW_IMASS], beta = s.row[ROW_SP], dt = stiff * mass / beta;
     const double eps = cpl_sampled_eps(s.cpl)[0];
-    receive(&s, dt);
+    scene_receive(&s, dt);
     assert_int_equal(cpl_momentum_source(s.cpl, &s.view, &s.cells, dt), PART_OK);
     const double expected = stiff < 1e-3 ? beta * (1.0 - stiff / 2.0 + stiff * stiff / 6.0) / eps
                                          : mass * (1.0 - exp(-stiff)) / dt / eps;
@@ -143,9 +122,9 @@ static void test_budget_closes(void **state) {
     for (int model = 0; model < 2; model++)
       for (double dt = 1e-7; dt < 1e3; dt *= 1e3) {
         scene s;
-        start(&s, &meshes[m], model, all);
+        start(&s, &scene_meshes[m], model, all);
         couple(&s);
-        receive(&s, dt);
+        scene_receive(&s, dt);
         assert_int_equal(cpl_momentum_source(s.cpl, &s.view, &s.cells, dt), PART_OK);
         const size_t cells = (size_t)s.mesh.view.cells;
         double *drag = mesh_alloc(3 * cells, sizeof *drag);
@@ -165,7 +144,7 @@ static void test_budget_closes(void **state) {
           }
           for (int i = 0; i < s.view.count; i++) {
             const double *row = s.row + i * ROW_WIDTH;
-            const double buoyancy = -1000.0 * volume_of(row) * s.fluid.gravity[d] * dt;
+            const double buoyancy = -1000.0 * scene_row_volume(row) * s.fluid.gravity[d] * dt;
             fluid += buoyancy;
             particles += row[ROW_J + d] + kick[3 * i + d];
             size += fabs(row[ROW_J + d]) + fabs(buoyancy);
@@ -197,34 +176,75 @@ static void test_budget_closes(void **state) {
       }
 }
 
-/* The flow took exactly what the source told it: no kick is left but what pressure owes. */
-static void test_no_kick_when_nothing_changed(void **state) {
-  (void)state;
+/* Particles of one cell that move against each other and differ in size. */
+static void company(scene *s, int model) {
   const mesh_options one_cell = MESH_UNIT(MESH_HEX, 1, 1, 1);
-  const cpl_params params = scene_params();
+  const particle all[] = {
+      {{0.5, 0.4, 0.6}, 0.1, {0.3, 0.1, -0.2}, 2000.0, 0},
+      {{0.7, 0.4, 0.6}, 0.1, {-0.3, -0.1, 0.2}, 2000.0, 0},
+      {{0.3, 0.7, 0.2}, 0.05, {0.0, -1.0, 0.0}, 8000.0, 0},
+      {{0.3, 0.3, 0.2}, 0.08, {0.0, 0.0, 0.0}, 2000.0, 1},
+  };
+  cpl_params params = scene_params();
   const cpl_fluid fluid = scene_water();
+  params.model = model;
+  scene_mesh(s, MPI_COMM_SELF, &one_cell, 0);
+  assert_int_equal(scene_start(s, &params, &fluid), PART_OK);
+  scene_particles(s, 4, all, 0, 0);
+  couple(s);
+}
+
+/* The flow took what the source told it of velocity U + change: each particle keeps its own drag
+ * and gets b_i of the change, with or without others in its cell. */
+static void test_kick_is_what_changed(void **state) {
+  (void)state;
+  const double dt = 1e-3, changes[] = {0.0, 0.4};
+  for (int model = 0; model < 2; model++)
+    for (int k = 0; k < 2; k++) {
+      scene s;
+      company(&s, model);
+      scene_receive(&s, dt);
+      assert_int_equal(cpl_momentum_source(s.cpl, &s.view, &s.cells, dt), PART_OK);
+      const double eps = s.eps[0];
+      double drag[3], volume[3], kick[12];
+      for (int d = 0; d < 3; d++) {
+        drag[d] = (s.coefficient[0] * (s.superficial[d] + changes[k]) - s.explicit_part[d]) * dt;
+        volume[d] = 0.0;
+        for (int i = 0; i < 4 && !model; i++)
+          volume[d] -= scene_row_volume(s.row + i * ROW_WIDTH) * s.pressure_gradient[d] * dt;
+      }
+      assert_int_equal(cpl_reaction(s.cpl, &s.view, drag, volume, dt, kick), PART_OK);
+      for (int i = 0; i < 4; i++) {
+        const double *row = s.row + i * ROW_WIDTH;
+        const double x = row[ROW_SP] * row[ROW_IMASS] * dt;
+        const double b = row[ROW_SP] / eps * (i < 3 ? -expm1(-x) / x : 1.0);
+        for (int d = 0; d < 3; d++)
+          assert_near(kick[3 * i + d], b * changes[k] * dt,
+                      1e-12 * (fabs(row[ROW_J + d]) + b * dt));
+      }
+      scene_free(&s);
+    }
+}
+
+/* Without drag and pressure the particles give back all but buoyancy. */
+static void test_nothing_given(void **state) {
+  (void)state;
   const double dt = 1e-3;
   scene s;
-  scene_mesh(&s, MPI_COMM_SELF, &one_cell, 0);
-  assert_int_equal(scene_start(&s, &params, &fluid), PART_OK);
-  const particle p = {{0.5, 0.4, 0.6}, 0.1, {0.3, 0.1, -0.2}, 2000.0, 0};
-  scene_particles(&s, 1, &p, 0, 0);
-  couple(&s);
-  receive(&s, dt);
+  company(&s, 0);
+  scene_receive(&s, dt);
   assert_int_equal(cpl_momentum_source(s.cpl, &s.view, &s.cells, dt), PART_OK);
-  double drag[3], volume[3], kick[3];
-  for (int d = 0; d < 3; d++) {
-    drag[d] = (s.coefficient[0] * s.superficial[d] - s.explicit_part[d]) * dt;
-    volume[d] = -volume_of(s.row) * s.pressure_gradient[d] * dt;
-  }
-  assert_int_equal(cpl_reaction(s.cpl, &s.view, drag, volume, dt, kick), PART_OK);
-  for (int d = 0; d < 3; d++)
-    assert_near(kick[d], 0.0, 1e-13 * fabs(s.row[ROW_J + d]) + 1e-15);
-  /* and without drag, shares of NULL are none: the particle gives back all but buoyancy */
+  double kick[12];
   assert_int_equal(cpl_reaction(s.cpl, &s.view, NULL, NULL, dt, kick), PART_OK);
   for (int d = 0; d < 3; d++) {
-    const double buoyancy = -1000.0 * volume_of(s.row) * fluid.gravity[d] * dt;
-    assert_near(kick[d], buoyancy - s.row[ROW_J + d], 1e-13 * fabs(buoyancy) + 1e-15);
+    double sum = 0.0, size = 0.0;
+    for (int i = 0; i < 4; i++) {
+      const double *row = s.row + i * ROW_WIDTH;
+      const double buoyancy = -1000.0 * scene_row_volume(row) * s.fluid.gravity[d] * dt;
+      sum += kick[3 * i + d] - (buoyancy - row[ROW_J + d]);
+      size += fabs(buoyancy) + fabs(row[ROW_J + d]);
+    }
+    assert_near(sum, 0.0, 1e-13 * size);
   }
   scene_free(&s);
 }
@@ -235,11 +255,11 @@ static void new_order(int relocate, int shift, int reverse) {
   particle all[MANY];
   const double dt = 1e-2;
   scene s, plain;
-  start(&s, &meshes[0], 0, all);
-  start(&plain, &meshes[0], 0, all);
+  start(&s, &scene_meshes[0], 0, all);
+  start(&plain, &scene_meshes[0], 0, all);
   couple(&s);
   couple(&plain);
-  receive(&plain, dt);
+  scene_receive(&plain, dt);
   scene_particles(&s, MANY, all, shift, reverse);
   for (int i = 0; i < s.view.count; i++) /* impulses by id: what each received */
     for (int d = 0; d < 3; d++)
@@ -306,7 +326,7 @@ static void test_no_trap(void **state) {
   for (int k = 0; k < 4; k++) {
     const int rest = k & 1;
     scene s;
-    start(&s, &meshes[k >> 1], rest, all);
+    start(&s, &scene_meshes[k >> 1], rest, all);
     for (int i = 0; rest && i < s.view.count; i++)
       memset(s.row + i * ROW_WIDTH + ROW_V, 0, 3 * sizeof(double));
     double kick[3 * MANY];
@@ -329,8 +349,8 @@ static void test_one_way(void **state) {
   const cpl_fluid fluid = scene_water();
   params.two_way = 0;
   scene s;
-  scene_random(&meshes[0], MANY, 0.005, 0.05, 31, all);
-  scene_mesh(&s, MPI_COMM_WORLD, &meshes[0], 1);
+  scene_random(&scene_meshes[0], MANY, 0.005, 0.05, 31, all);
+  scene_mesh(&s, MPI_COMM_WORLD, &scene_meshes[0], 1);
   assert_int_equal(scene_start(&s, &params, &fluid), PART_OK);
   scene_particles(&s, MANY, all, 0, 0);
   couple(&s);
@@ -348,12 +368,12 @@ static void test_errors(void **state) {
   (void)state;
   particle all[MANY];
   scene s;
-  start(&s, &meshes[0], 0, all);
+  start(&s, &scene_meshes[0], 0, all);
   cpl_budget budget;
   assert_int_equal(cpl_get_budget(s.cpl, &budget), PART_ERR_STATE);
   assert_int_equal(cpl_momentum_source(s.cpl, &s.view, &s.cells, 1e-3), PART_ERR_STATE);
   couple(&s);
-  receive(&s, 1e-3);
+  scene_receive(&s, 1e-3);
   assert_int_equal(cpl_momentum_source(s.cpl, &s.view, &s.cells, 0.0), PART_ERR_RANGE);
   const size_t cells = (size_t)s.mesh.view.cells;
   double *drag = mesh_alloc(3 * cells, sizeof *drag);
@@ -368,7 +388,7 @@ static void test_errors(void **state) {
   particle p = {{0.1, 0.1, 0.1}, 0.01, {0, 0, 0}, 2000.0, 0};
   scene_particles(&s, 1, &p, 0, 0);
   couple(&s);
-  receive(&s, 1e-3);
+  scene_receive(&s, 1e-3);
   assert_int_equal(cpl_momentum_source(s.cpl, &s.view, &s.cells, 1e-3), PART_OK);
   for (size_t c = 0; c < cells; c++)
     drag[3 * c + 1] = s.eps[c] == 1.0 ? 1e-3 : 0.0;
@@ -391,7 +411,8 @@ int main(int argc, char **argv) {
       cmocka_unit_test(test_source_is_the_impulse),
       cmocka_unit_test(test_stiff),
       cmocka_unit_test(test_budget_closes),
-      cmocka_unit_test(test_no_kick_when_nothing_changed),
+      cmocka_unit_test(test_kick_is_what_changed),
+      cmocka_unit_test(test_nothing_given),
       cmocka_unit_test(test_new_order),
       cmocka_unit_test(test_no_trap),
       cmocka_unit_test(test_one_way),

@@ -29,10 +29,6 @@ static void force(scene *s) {
   assert_int_equal(cpl_fluid_force(s->cpl, &s->view), PART_OK);
 }
 
-static double volume_of(const double *row) {
-  return 4.0 / 3.0 * PI * row[ROW_R] * row[ROW_R] * row[ROW_R];
-}
-
 /* The particles move with the fluid: no drag, so the force is buoyancy and, model A, the pressure
  * gradient and stress force. */
 static void constant_parts(int model, int pressure, int stress, int two_way) {
@@ -63,7 +59,7 @@ static void constant_parts(int model, int pressure, int stress, int two_way) {
         expected -= gradient[d];
       if (stress)
         expected += tau[d];
-      assert_near(row[ROW_SU + d], expected * volume_of(row), 1e-11 * volume_of(row) * 1e4);
+      assert_near(row[ROW_SU + d], expected * scene_row_volume(row), 1e-11 * scene_row_volume(row) * 1e4);
     }
     assert_true(row[ROW_SP] > 0.0);
   }
@@ -86,8 +82,8 @@ static double *sauter(scene *s) {
   assert_true(value && cell);
   for (int i = 0; i < s->view.count; i++) {
     const double *row = s->row + i * ROW_WIDTH;
-    value[2 * i] = volume_of(row);
-    value[2 * i + 1] = volume_of(row) / (2.0 * row[ROW_R]);
+    value[2 * i] = scene_row_volume(row);
+    value[2 * i + 1] = scene_row_volume(row) / (2.0 * row[ROW_R]);
   }
   assert_int_equal(cpl_deposit(s->cpl, 2, value, cell), PART_OK);
   for (int c = 0; c < cells; c++)
@@ -140,7 +136,7 @@ static void test_drag_of_sampled(void **state) {
           assert_near(row[ROW_SP] / beta, 1.0, 1e-13);
           for (int d = 0; d < 3; d++) {
             const double f = row[ROW_SU + d] - row[ROW_SP] * row[ROW_V + d];
-            const double buoyancy = -1000.0 * volume_of(row) * fluid.gravity[d];
+            const double buoyancy = -1000.0 * scene_row_volume(row) * fluid.gravity[d];
             assert_near(f, beta * slip[d] + buoyancy,
                         1e-13 * (beta * (1.0 + fabs(slip[d])) + fabs(buoyancy)));
           }
@@ -173,8 +169,8 @@ static void test_uniform_velocity(void **state) {
     const double *row = s.row + i * ROW_WIDTH;
     for (int d = 0; d < 3; d++) /* no slip: buoyancy alone; round-off of u times beta */
       assert_near(row[ROW_SU + d] - row[ROW_SP] * row[ROW_V + d],
-                  -1000.0 * volume_of(row) * fluid.gravity[d],
-                  1e-13 * (row[ROW_SP] + 1e4 * volume_of(row)));
+                  -1000.0 * scene_row_volume(row) * fluid.gravity[d],
+                  1e-13 * (row[ROW_SP] + 1e4 * scene_row_volume(row)));
   }
   scene_free(&s);
 }

@@ -12,15 +12,11 @@
 #include "scene.h"
 
 enum { MANY = 200 };
-static const double PI = 3.14159265358979323846, COEFFICIENT = 0.5, RHO = 1000.0;
+static const double COEFFICIENT = 0.5, RHO = 1000.0;
 static const double GRAVITY[3] = {0.3, -0.2, -9.81}, NONE[3] = {0, 0, 0};
-static const mesh_options meshes[] = {
-    {.kind = MESH_HEX, .n = {5, 4, 3}, .hi = {1, 0.8, 0.6}, .periodic = {1, 0, 0}},
-    {.kind = MESH_POLY, .n = {3, 3, 3}, .hi = {1, 0.8, 0.6}, .warp = 0.1, .seed = 8},
-};
 
 static double added_of(const double *row) {
-  return COEFFICIENT * RHO * 4.0 / 3.0 * PI * row[ROW_R] * row[ROW_R] * row[ROW_R];
+  return COEFFICIENT * RHO * scene_row_volume(row);
 }
 
 typedef struct virtual_scene {
@@ -67,24 +63,13 @@ static void stop(virtual_scene *v) {
   scene_free(&v->s);
 }
 
-/* What steps with the inertia m + m_a would give: m' (v1 - v0) of m' dv/dt = Su - Sp v. */
-static void receive(scene *s, double dt) {
-  for (int i = 0; i < s->view.count; i++) {
-    double *row = s->row + i * ROW_WIDTH;
-    const double x = row[ROW_SP] * row[ROW_IMASS] * dt;
-    const double f = s->number[2 * i + 1] == 1 ? 1.0 : -expm1(-x) / x;
-    for (int d = 0; d < 3; d++)
-      row[ROW_J + d] = f * dt * (row[ROW_SU + d] - row[ROW_SP] * row[ROW_V + d]);
-  }
-}
-
 /* Su grows by m_a Du/Dt, Sp does not change. */
 static void test_force(void **state) {
   (void)state;
   particle all[MANY];
   virtual_scene v;
-  scene_random(&meshes[0], MANY, 0.005, 0.05, 31, all);
-  start(&v, MPI_COMM_WORLD, &meshes[0], MANY, GRAVITY, all);
+  scene_random(&scene_meshes[0], MANY, 0.005, 0.05, 31, all);
+  start(&v, MPI_COMM_WORLD, &scene_meshes[0], MANY, GRAVITY, all);
   scene *s = &v.s;
   const double a[3] = {3.0, -4.0, 5.0};
   double *su = mesh_alloc(4 * MANY, sizeof *su);
@@ -118,7 +103,7 @@ static void budget(const mesh_options *mesh, double dt) {
   scene *s = &v.s;
   assert_int_equal(cpl_sample_fluid(s->cpl, &s->view, &s->cells), PART_OK);
   assert_int_equal(cpl_fluid_force(s->cpl, &s->view), PART_OK);
-  receive(s, dt);
+  scene_receive(s, dt);
   assert_int_equal(cpl_momentum_source(s->cpl, &s->view, &s->cells, dt), PART_OK);
   const size_t cells = (size_t)s->mesh.view.cells;
   double *drag = mesh_alloc(3 * cells, sizeof *drag), *kick = mesh_alloc(3 * MANY, sizeof *kick);
@@ -154,7 +139,7 @@ static void test_budget(void **state) {
   (void)state;
   for (int m = 0; m < 2; m++)
     for (double dt = 1e-6; dt < 1e1; dt *= 1e3)
-      budget(&meshes[m], dt);
+      budget(&scene_meshes[m], dt);
 }
 
 /* Two spheres of one cell, stopped by contacts in opposite directions: the fluid gets back what
@@ -177,7 +162,7 @@ static void test_each_its_own(void **state) {
       v.before[3 * i + d] = d == 0 ? -dv[i] : 0.0;
   assert_int_equal(cpl_sample_fluid(s->cpl, &s->view, &s->cells), PART_OK);
   assert_int_equal(cpl_fluid_force(s->cpl, &s->view), PART_OK);
-  receive(s, dt);
+  scene_receive(s, dt);
   assert_int_equal(cpl_momentum_source(s->cpl, &s->view, &s->cells, dt), PART_OK);
   const double added = added_of(s->row);
   assert_near(s->explicit_part[0] * s->mesh.volume[0], added * (dv[0] + dv[1]) / dt,
