@@ -202,10 +202,6 @@ int cpl_points_locate(cpl_points_t *p, const cpl_particles *particles,
 }
 
 /* ---- porosity ------------------------------------------------------------------------------- */
-static double inside(const cpl_points_t *p, const double *x) {
-  return p->kernel.gamma ? fmax(p->kernel.gamma(p->kernel.context, x), 1e-3) : 1.0;
-}
-
 static int low_eps(const cpl_points_t *p, const double *x, double eps) {
   return part_fail(
       PART_ERR_RANGE,
@@ -219,13 +215,15 @@ static int porosity(cpl_points_t *p, cpl_fluid_points *fluid) {
   for (int a = 0; a < p->points; a++) {
     const double *x = points_at(fluid->position, fluid->position_stride, a);
     const double solid = p->solid.data[a];
-    const double eps = solid > 0.0 ? 1.0 - solid / inside(p, x) : 1.0;
+    const double eps = solid > 0.0 ? 1.0 - solid / points_inside(p, x) : 1.0;
     if (!(eps >= p->params.minimum_eps))
       return low_eps(p, x, eps);
     p->eps.data[a] = eps;
     if (p->params.two_way)
       fluid->eps[(size_t)a * (size_t)fluid->eps_stride] = eps;
   }
+  if (p->params.two_way && fluid->eps_gradient)
+    points_eps_gradient(p, fluid);
   return PART_OK;
 }
 

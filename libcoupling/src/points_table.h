@@ -47,4 +47,13 @@ static inline double points_table_at(const double *row, double share, double pos
   return here + share * (next[k] + part * (next[k + 1] - next[k]) - here);
 }
 
+/* Its derivative by s^2, 1/m5: exactly that of the function above. */
+static inline double points_table_slope(const cpl_points_table_data *t, const double *row, double share,
+                                        double position) {
+  const int k = (int)position;
+  const double *next = row + POINTS_NODES + 2;
+  const double here = row[k + 1] - row[k];
+  return t->per_s2 * (share == 0.0 ? here : here + share * (next[k + 1] - next[k] - here));
+}
+
 #endif

@@ -86,6 +86,8 @@ int points_send_visits(cpl_points_t *p);                                /* colle
 /* Collective. value[count][n] of own particles -> [received][n]; and back, summed: value is written. */
 int points_forward(cpl_points_t *p, int n, const double *value, double **received);
 int points_back(cpl_points_t *p, int n, double *received, double *value);
+/* points_gradient.c: gradient of eps into the view, after eps. Local. */
+void points_eps_gradient(const cpl_points_t *p, cpl_fluid_points *fluid);
 /* points_wake.c */
 int points_wake_make(cpl_points_t *p);
 /* u[3], the velocity at particle i, without its own disturbance; after its eps. */
@@ -95,6 +97,12 @@ void points_wake_remember(const cpl_points_t *p, const cpl_particles *particles,
 int points_make_pairs(cpl_points_t *p, const cpl_fluid_points *fluid); /* local */
 static inline int points_uses_sizes(const cpl_points_t *p) {
   return cpl_drag_needs_sizes(p->params.drag);
+}
+
+/* Share of the kernel about x that is inside walls. */
+static inline double points_inside(const cpl_points_t *p, const double *x) {
+  const double gamma = p->kernel.gamma ? p->kernel.gamma(p->kernel.context, x) : 1.0;
+  return gamma > 1e-3 ? gamma : 1e-3;
 }
 
 #endif

@@ -69,6 +69,7 @@ struct sph_t {
   sph_walls walls;
 
   int started, restored, restored_elsewhere;
+  int eps_ahead; /* EPS is that of the end of the next advance */
   int64_t total;
   double time, least_eps;
   sph_lists lists;

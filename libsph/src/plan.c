@@ -59,7 +59,7 @@ int sph_plan_fields(sph_t *sph) {
   sph->least_eps = -most[0];
   sph->plan.porous = sph->least_eps < 1.0 || most[2] > 0.0;
   sph->plan.forces = most[1] > 0.0;
-  sph->plan.eps_moves = most[2] > 0.0;
+  sph->plan.eps_moves = most[2] > 0.0 && !sph->eps_ahead;
   return PART_OK;
 }
 

@@ -125,6 +125,9 @@ long long sph_generation(const sph_t *sph) {
 double sph_time(const sph_t *sph) {
   return sph->time;
 }
+void sph_set_eps_ahead(sph_t *sph, int ahead) {
+  sph->eps_ahead = ahead != 0;
+}
 void sph_set_time(sph_t *sph, double time) {
   sph->time = time;
 }

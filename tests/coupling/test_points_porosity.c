@@ -160,6 +160,73 @@ static void test_gamma(void **state) {
   points_scene_free(&s);
 }
 
+static void locate_eps(points_scene *s) {
+  assert_int_equal(cpl_points_locate(s->points, &s->view, &s->fluid_view), PART_OK);
+  assert_int_equal(cpl_points_porosity(s->points, &s->fluid_view), PART_OK);
+}
+
+/* The gradient at the points against differences of eps at points moved either way. The table has kinks between its
+ * nodes, some 1/4096 of the slope; a moved pair that crosses one sees both sides of it: 4e-4 were met. */
+static void compare_gradient(points_scene *s) {
+  const double step = 1e-6;
+  const int n = s->fluid_view.count;
+  double *gradient = calloc(3 * (size_t)n + 1, sizeof *gradient);
+  double *lower = calloc((size_t)n + 1, sizeof *lower), error = 0.0, most = 0.0;
+  assert_true(gradient && lower);
+  s->fluid_view.eps_gradient = gradient;
+  s->fluid_view.eps_gradient_stride = 3;
+  locate_eps(s);
+  s->fluid_view.eps_gradient = NULL;
+  for (int c = 0; c < 3; c++) {
+    for (int end = 0; end < 2; end++) {
+      for (int a = 0; a < n; a++)
+        s->point[a * POINT_WIDTH + PX + c] += end ? 2.0 * step : -step;
+      locate_eps(s);
+      for (int a = 0; a < n && !end; a++)
+        lower[a] = s->point[a * POINT_WIDTH + PEPS];
+    }
+    for (int a = 0; a < n; a++) {
+      const double difference = (s->point[a * POINT_WIDTH + PEPS] - lower[a]) / (2.0 * step);
+      error = fmax(error, fabs(difference - gradient[3 * a + c]));
+      most = fmax(most, fabs(difference));
+      s->point[a * POINT_WIDTH + PX + c] -= step;
+    }
+  }
+  MPI_Allreduce(MPI_IN_PLACE, &error, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
+  assert_true(most > 0.5);
+  if (error > 1e-3 * most)
+    fail_msg("gradient of eps differs by %g of %g 1/m", error, most);
+  free(gradient);
+  free(lower);
+}
+
+/* Periodic, mirrored at six planes, and beside a wall that has a Gamma; one size, and sizes that differ. */
+static void test_gradient(void **state) {
+  (void)state;
+  const cpl_points_plane six[6] = {{{0, 0, 0}, {1, 0, 0}},  {{1, 0, 0}, {-2, 0, 0}}, {{0, 0, 0}, {0, 1, 0}},
+                                   {{0, 1, 0}, {0, -1, 0}}, {{0, 0, 0}, {0, 0, 3}},  {{0, 0, 1}, {0, 0, -1}}};
+  for (int kind = 0; kind < 6; kind++) {
+    const int walls = kind / 2, sizes = kind % 2;
+    points_scene s;
+    double *spheres, *points;
+    points_scene_init(&s, MPI_COMM_WORLD, 0.06, walls == 0);
+    if (walls == 2)
+      s.kernel.gamma = half_space;
+    assert_int_equal(points_scene_start(&s, walls == 1 ? 6 : 0, six), PART_OK);
+    const int n_spheres = spheres_lattice(&s.box, 5, 0.04, &spheres);
+    const int n_points = points_lattice(&s.box, 7, 0.5, &points);
+    for (int i = 0; i < n_spheres; i++)
+      spheres[i * SPHERE_WIDTH + SR] *= 1.0 + 0.4 * sizes * (i % 4);
+    points_scene_spheres(&s, n_spheres, spheres, 1);
+    points_scene_points(&s, n_points, points, 0);
+    compare_gradient(&s);
+    free(spheres);
+    free(points);
+    points_scene_free(&s);
+  }
+}
+
 static void expect(points_scene *s, int planes, const cpl_points_plane *plane, int status, const char *text) {
   const int got = points_scene_start(s, planes, plane);
   if (got != status || !strstr(part_last_error(), text))
@@ -207,7 +274,7 @@ static void test_errors(void **state) {
 int main(int argc, char **argv) {
   MPI_Init(&argc, &argv);
   const struct CMUnitTest tests[] = {cmocka_unit_test(test_lens), cmocka_unit_test(test_table),
-                                     cmocka_unit_test(test_lattice), cmocka_unit_test(test_gamma),
+                                     cmocka_unit_test(test_lattice), cmocka_unit_test(test_gamma), cmocka_unit_test(test_gradient),
                                      cmocka_unit_test(test_errors)};
   cmocka_set_message_output(CM_OUTPUT_TAP);
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -12,6 +12,7 @@ typedef struct trial {
   double low, delta, h, xsph; /* porosity, S.5, over dx, S.11 */
   int steps;                  /* of 3e-4 s between settings of eps */
   int gradient;               /* eps moves with the particles (S.18) */
+  int ahead;                  /* eps is that of where particles will be (P.9) */
 } trial;
 static trial now;
 
@@ -57,7 +58,11 @@ static void set_eps(sph_t *sph) {
   sph_view view;
   OK(sph_get_view(sph, &view));
   for (int i = 0; i < view.own; i++) {
-    const double x = view.position[view.xv_stride * i];
+    double x = view.position[view.xv_stride * i];
+    if (now.ahead) {
+      const double v = view.velocity[view.xv_stride * i];
+      x += 3e-4 * (v + 0.5 * 3e-4 * view.acceleration[view.rate_stride * i]);
+    }
     view.eps[view.mass_stride * i] = eps_of(x);
     view.eps_gradient[view.force_stride * i] = now.gradient ? slope_of(x) : 0.0;
   }
@@ -105,6 +110,7 @@ static sph_t *make(void) {
   for (int i = 0; i < view.own; i++)
     eps[i] = eps_of(view.position[view.xv_stride * i]);
   OK(sph_displace(sph, eps));
+  sph_set_eps_ahead(sph, now.ahead);
   return sph;
 }
 
@@ -146,16 +152,16 @@ static found flow(trial t) {
   f.noise = sqrt(squares / number) / (rho * flux * flux);
   sph_destroy(sph);
   print_message(
-      "eps %.1f, delta %.1f, h %.1f dx, xsph %.1f, %d steps, gradient %d: noise %.4f, mean "
+      "eps %.1f, delta %.1f, h %.1f dx, xsph %.1f, %d steps, gradient %d, ahead %d: noise %.4f, mean "
       "%.4f, flux %.4f\n",
-      t.low, t.delta, t.h, t.xsph, t.steps, t.gradient, f.noise, f.mean, f.flux);
+      t.low, t.delta, t.h, t.xsph, t.steps, t.gradient, t.ahead, f.noise, f.mean, f.flux);
   return f;
 }
 
 static void diffusion(void **state) {
   (void)state;
-  const found with = flow((trial){0.7, 0.1, 1.5, 0.0, 1, 1});
-  const found without = flow((trial){0.7, 0.0, 1.5, 0.0, 1, 1});
+  const found with = flow((trial){0.7, 0.1, 1.5, 0.0, 1, 1, 0});
+  const found without = flow((trial){0.7, 0.0, 1.5, 0.0, 1, 1, 0});
   CLOSE(with.noise, 0.0, 0.01);
   assert_true(without.noise > 5.0 * with.noise);
   CLOSE(with.mean, 0.0, 0.03);
@@ -166,7 +172,7 @@ static void diffusion(void **state) {
  * (h/width)^2, 0.03 at 0.7 with h = 1.5 dx. */
 static void steep_step(void **state) {
   (void)state;
-  const found f = flow((trial){0.5, 0.1, 2.0, 0.5, 1, 1});
+  const found f = flow((trial){0.5, 0.1, 2.0, 0.5, 1, 1, 0});
   CLOSE(f.noise, 0.0, 0.01);
   CLOSE(f.mean, 0.0, 0.05);
   CLOSE(f.flux, 0.0, 0.05);
@@ -176,11 +182,72 @@ static void steep_step(void **state) {
  * where the particle was. */
 static void eps_in_between(void **state) {
   (void)state;
-  const found with = flow((trial){0.7, 0.1, 1.5, 0.0, 5, 1});
-  const found without = flow((trial){0.7, 0.1, 1.5, 0.0, 5, 0});
+  const found with = flow((trial){0.7, 0.1, 1.5, 0.0, 5, 1, 0});
+  const found without = flow((trial){0.7, 0.1, 1.5, 0.0, 5, 0, 0});
   CLOSE(with.noise, 0.0, 0.01);
   CLOSE(with.mean, 0.0, 0.03);
   assert_true(without.mean > 4.0 * with.mean);
+}
+
+/* eps of the end of each step, as the exchange with solids gives it. */
+static void eps_ahead(void **state) {
+  (void)state;
+  const found f = flow((trial){0.5, 0.1, 2.0, 0.5, 1, 1, 1});
+  CLOSE(f.noise, 0.0, 0.01);
+  CLOSE(f.mean, 0.0, 0.05);
+  CLOSE(f.flux, 0.0, 0.05);
+}
+
+typedef struct moved {
+  double x, eps, p;
+} moved;
+
+/* One step of stirred water with a slope of eps; by id. */
+static void one_step(double xsph, int ahead, double slope, moved *to) {
+  enum { N = 20 };
+  scene s = scene_2d(N * dx, N * dx, dx);
+  sph_view view;
+  s.box.periodic[0] = s.box.periodic[1] = 1;
+  s.params.xsph = xsph;
+  sph_t *sph = scene_create(&s);
+  fill_box(sph, &s);
+  stir(sph, &s, 0.5);
+  OK(sph_start(sph));
+  OK(sph_get_view(sph, &view));
+  sph_set_eps_ahead(sph, ahead);
+  for (int i = 0; i < view.own; i++) {
+    view.eps[view.mass_stride * i] = 0.8;
+    view.eps_gradient[view.force_stride * i] = slope;
+  }
+  OK(sph_advance(sph, 3e-4, NULL));
+  OK(sph_get_view(sph, &view));
+  const int64_t *id = part_field_int64(sph_store(sph), SPH_FIELD_ID);
+  const int stride = part_field_stride(sph_store(sph), SPH_FIELD_ID);
+  for (int i = 0; i < view.own; i++)
+    to[id[stride * i]] = (moved){view.position[view.xv_stride * i], view.eps[view.mass_stride * i],
+                                 view.pressure[view.xv_stride * i]};
+  sph_destroy(sph);
+}
+
+/* The way of XSPH alone changes eps when it is ahead, by its part of the gradient, and p not at all; otherwise the whole
+ * way does. */
+static void ways_besides(void **state) {
+  (void)state;
+  static moved without[400], with[400], all[400];
+  const double slope = 2.0;
+  double most = 0.0;
+  one_step(0.0, 1, slope, without);
+  one_step(0.5, 1, slope, with);
+  one_step(0.5, 0, slope, all);
+  for (int k = 0; k < 400; k++) {
+    const double way = with[k].x - without[k].x;
+    most = fmax(most, fabs(way));
+    CLOSE(without[k].eps, 0.8, 0.0);
+    CLOSE(with[k].eps, 0.8 + slope * way, 1e-15);
+    CLOSE(with[k].p, without[k].p, 1e-10 * 1000.0 * 10.0 * 10.0);
+    assert_true(fabs(all[k].eps - with[k].eps) > 0.0);
+  }
+  assert_true(most > 1e-5);
 }
 
 int main(int argc, char **argv) {
@@ -188,6 +255,8 @@ int main(int argc, char **argv) {
       cmocka_unit_test(diffusion),
       cmocka_unit_test(steep_step),
       cmocka_unit_test(eps_in_between),
+      cmocka_unit_test(eps_ahead),
+      cmocka_unit_test(ways_besides),
   };
   MPI_Init(&argc, &argv);
   const int failed = cmocka_run_group_tests(tests, NULL, NULL);

@@ -124,6 +124,7 @@ fluidPoints::fluidPoints(const polyMesh& mesh, const vector& gravity, const flui
     for (int a = 0; a < fluid_.own; ++a) fluid_.eps[std::size_t(a)*fluid_.mass_stride] = 1;
     checkStatus(sph_displace(sph_, eps.cdata()), sphDict_);
   }
+  sph_set_eps_ahead(sph_, params_.two_way);
   openTable();
 }
 
@@ -153,6 +154,9 @@ void fluidPoints::look()
   fluidView_.acceleration = fluid_.acceleration;
   fluidView_.acceleration_stride = fluid_.rate_stride;
   fluidView_.eps = fluid_.eps;
+  // eps on ways that are not the fluid's (S.11, S.19)
+  fluidView_.eps_gradient = sphParams_.xsph > 0 || sphParams_.shifting > 0 ? fluid_.eps_gradient : nullptr;
+  fluidView_.eps_gradient_stride = fluid_.force_stride;
   fluidView_.force = fluid_.force;
   fluidView_.force_stride = fluid_.force_stride;
 }

@@ -29,6 +29,7 @@ typedef struct cpl_fluid_points {
   const double *density;      int density_stride;      /* kg/m3, superficial; form gradient only */
   const double *acceleration; int acceleration_stride; /* m/s2, of pressure and viscosity; form gradient only */
   double *eps;                int eps_stride;          /* out of cpl_points_porosity */
+  double *eps_gradient;       int eps_gradient_stride; /* 1/m, out of cpl_points_porosity; NULL: not wanted */
   double *force;              int force_stride;        /* N, out of cpl_points_reaction */
 } cpl_fluid_points;
 /* clang-format on */
@@ -78,7 +79,7 @@ part_timers *cpl_points_timers(cpl_points_t *points);
 /* Collective. Pairs of particles and points where both are now, and their kernels. position of the points may
  * be where they will be. ERR_RANGE: a sphere's reach is longer than a periodic direction. */
 int cpl_points_locate(cpl_points_t *points, const cpl_particles *particles, const cpl_fluid_points *fluid);
-/* Collective. eps of the points as located; into the view with two-way coupling. ERR_RANGE: below
+/* Collective. eps of the points as located, and its gradient (P.12); into the view with two-way coupling. ERR_RANGE: below
  * minimumEps, the text names the place. */
 int cpl_points_porosity(cpl_points_t *points, cpl_fluid_points *fluid);
 /* Collective. F = Su - Sp v into the particle view, from fluid velocity and eps sampled at the particles. The

@@ -151,6 +151,11 @@ int sph_displace(sph_t *sph, const double *eps);
  * is faster than sound, has lost or doubled its density, or is behind a wall. */
 int sph_advance(sph_t *sph, double dt, int *steps);
 
+/* From now on EPS is that of the places to which the fluid takes particles by the end of the next advance, which is one
+ * step (P.9): on ways besides (S.11, S.19) it changes by EPS_GRADIENT, on the fluid's own it does not, and EPS_RATE is
+ * not used. 0, as to begin with: EPS is that of where they are. */
+void sph_set_eps_ahead(sph_t *sph, int ahead);
+
 /* The particles. Whoever couples sets the fields EPS (0 < eps <= 1) and FORCE (N) of own particles
  * before sph_advance; FORCE is constant over it. With EPS_RATE and EPS_GRADIENT eps follows the
  * particles through the steps of an advance (S.18), which it should where eps varies. */
