@@ -132,7 +132,7 @@ static int symplectic_step(sph_t *sph, double h) {
   }
   change_eps(sph, h);
   sph_set_states(sph);
-  PART_TRY(sph_refresh_ghosts(sph));
+  PART_TRY(sph->plan.variable ? sph_hold_lengths(sph) : sph_refresh_ghosts(sph));
   PART_TRY(part_agree(sph->comm, sph_accelerations(sph)));
   kick(sph, 0.5 * h);
   return PART_OK;

@@ -23,6 +23,7 @@ typedef struct sph_plan {
   int pushed;    /* walls that push along their normal, without points */
   int diffusion; /* densityDiffusion > 0 */
   int xsph, summation, shifting, correction;
+  int variable;    /* a smoothing length for each particle (S.26) */
   int viscous;     /* viscosity > 0 */
   int hydrostatic; /* gravity along a direction that is not periodic */
   int porous;      /* eps below 1 somewhere */
@@ -60,6 +61,7 @@ struct sph_t {
   int stage[SPH_STAGE_COUNT];
 
   double reach, skin;    /* m, radius of the support */
+  double unit_norm;      /* norm h^d, over depth with two dimensions */
   double norm;           /* 1/m3: W = norm shape(r/h), over depth with two dimensions */
   double cell;           /* m3, spacing^dim */
   double plane;          /* m, z of all particles with two dimensions */
@@ -83,6 +85,9 @@ struct sph_t {
   size_t shade_room;
   double *factor; /* [all] of S.22 */
   size_t factor_room;
+  double *lens; /* [all][2] 1/h, 1/Omega of S.26 */
+  size_t lens_room;
+  double least_support; /* m, of all particles when lists were made */
   double *saved; /* [own][8] x v rho_bar when a step of the predictor-corrector began */
   size_t saved_room;
 
@@ -111,6 +116,15 @@ static inline double *sph_force(const sph_t *sph) {
 }
 static inline int64_t sph_id(const sph_t *sph, int i) {
   return part_record_int64(sph->store, SPH_RECORD_META)[SPH_META * (size_t)i];
+}
+/* Smoothing length of own particle i, and the factor of W = norm shape(r/h) with it. */
+static inline double sph_length(const sph_t *sph, int i) {
+  return sph->plan.variable ? 1.0 / sph->lens[2 * (size_t)i] : sph->params.smoothing_length;
+}
+static inline double sph_norm_at(const sph_t *sph, double h) {
+  return !sph->plan.variable          ? sph->norm
+         : sph->params.dimensions == 2 ? sph->unit_norm / (h * h)
+                                       : sph->unit_norm / (h * h * h);
 }
 
 /* ---- memory.c: ERR_MEMORY; items are zero
@@ -168,12 +182,32 @@ void sph_carry(const sph_t *sph, int i, double factor, const double way[3], doub
 /* eps + change, held in (0, 1]. */
 double sph_moved_eps(double eps, double change);
 
+/* ---- lengths.c (S.26)
+ * ------------------------------------------------------------------------------------ */
+/* 1/h of own particles from their volumes. */
+void sph_set_lengths(sph_t *sph);
+/* Collective. 1/h and 1/Omega of ghosts. */
+int sph_copy_lengths(sph_t *sph);
+/* 1/Omega from the sums of variable_density and walls, for S.4. */
+void sph_set_omegas(sph_t *sph);
+/* Collective. h, Omega and density together, for S.6. */
+int sph_solve_lengths(sph_t *sph);
+/* Collective. Half supports for lists that hold until lengths have grown by a margin, and their range. */
+int sph_list_supports(sph_t *sph, double range[2]);
+/* Collective. Lists anew where a length has outgrown them; ghosts are up to date afterwards. ERR_RANGE: a length
+ * above largestSmoothing. */
+int sph_hold_lengths(sph_t *sph);
+/* Collective. Shortest length. */
+int sph_least_length(const sph_t *sph, double *h);
+
 /* ---- lists.c
  * ------------------------------------------------------------------------------------- */
 /* Collective. Migrate, sort, ghosts, lists. */
 int sph_rebuild(sph_t *sph, int balance);
 /* Collective. Widest loops that all ranks have. */
 int sph_choose_loops(sph_t *sph);
+/* What the pair loops work on. */
+sph_lanes sph_lanes_of(const sph_t *sph);
 
 /* ---- plan.c
  * -------------------------------------------------------------------------------------- */

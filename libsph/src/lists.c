@@ -40,6 +40,9 @@ static int make_full(sph_t *sph) {
   const size_t all = (size_t)lists->start[n];
   PART_TRY(sph_grow(all + 1, sizeof *lists->partner, &lists->partner_room, &lists->partner));
   PART_TRY(sph_grow(SPH_SUMS * (size_t)n, sizeof *sph->sum, &sph->sum_room, &sph->sum));
+  if (sph->plan.variable)
+    PART_TRY(sph_grow(2 * ((size_t)sph->store->local + (size_t)sph->store->ghost), sizeof *sph->lens,
+                      &sph->lens_room, &sph->lens));
   if (sph->plan.correction)
     PART_TRY(sph_grow((size_t)sph->store->local + (size_t)sph->store->ghost, sizeof *sph->factor,
                       &sph->factor_room, &sph->factor));
@@ -70,16 +73,20 @@ static int count_all(const sph_t *sph) {
 }
 
 /* Ghosts have no MASS record of their own: half the support for the lists, eps 1. */
-static void fill_ghosts(sph_t *sph) {
+static int fill_ghosts(sph_t *sph) {
+  double *mass = sph_mass(sph);
+  if (sph->plan.variable)
+    return part_domain_copy_to_ghosts(sph->domain, sph->store, SPH_MASS * sizeof *mass, mass,
+                                      mass + SPH_MASS * (size_t)sph->store->local);
   for (int i = sph->store->local; i < sph->store->local + sph->store->ghost; i++) {
     double *m = sph_mass(sph) + SPH_MASS * (size_t)i;
     m[2] = 1.0;
     m[3] = 0.5 * sph->reach;
   }
+  return PART_OK;
 }
 
 static int make_lists(sph_t *sph, const part_levels *levels) {
-  fill_ghosts(sph);
   PART_TRY(part_pairs_build(sph->pairs, sph->store, SPH_FIELD_SUPPORT, levels, sph->skin));
   PART_TRY(make_full(sph));
   sph->own_mass = 0.0;
@@ -90,18 +97,24 @@ static int make_lists(sph_t *sph, const part_levels *levels) {
 
 static int rebuild(sph_t *sph, int balance) {
   part_levels levels;
-  part_levels_set(&levels, 0.5 * sph->reach, 0.5 * sph->reach);
+  double range[2] = {0.5 * sph->reach, 0.5 * sph->reach};
+  if (sph->plan.variable)
+    PART_TRY(sph_list_supports(sph, range));
+  part_levels_set(&levels, range[0], range[1]);
   if (balance || (sph->ranks > 1 && sph->imbalance > sph->params.balance_ratio))
     PART_TRY(part_domain_balance(sph->domain, sph->store, NULL));
   PART_TRY(part_domain_migrate(sph->domain, sph->store, 0, NULL, NULL));
   PART_TRY(part_agree(sph->comm,
                       part_sort(sph->store, &sph->box, SPH_FIELD_SUPPORT, &levels, sph->skin)));
   PART_TRY(part_domain_ghosts(sph->domain, sph->store, sph->reach + sph->skin));
+  PART_TRY(fill_ghosts(sph));
   PART_TRY(part_agree(sph->comm, make_lists(sph, &levels)));
   PART_TRY(count_all(sph));
   if (sph->ranks > 1)
     PART_TRY(part_domain_imbalance(sph->domain, sph->store, &sph->imbalance));
   sph->travel = 0.0;
+  if (sph->plan.variable)
+    sph_set_lengths(sph); /* particles are in another order */
   return sph_refresh_ghosts(sph);
 }
 

@@ -150,7 +150,18 @@ PART_LANES void shift_loop(const sph_lanes *in, int from, int to, double *sum,
   }
 }
 
+#include "pair_variable.h"
+
 #define SPH_KERNEL(name, key, support, meaning)                                                    \
+  static void variable_density_##name(const sph_lanes *in, int from, int to, double *sum) {        \
+    variable_density_loop(in, from, to, sum, sph_shape_##name, sph_slope_##name);                  \
+  }                                                                                                \
+  static void number_##name(const sph_lanes *in, int from, int to, double *sum) {                  \
+    number_loop(in, from, to, sum, sph_shape_##name, sph_slope_##name);                            \
+  }                                                                                                \
+  static void variable_force_##name(const sph_lanes *in, int from, int to, double *sum) {          \
+    variable_force_loop(in, from, to, sum, sph_slope_##name);                                      \
+  }                                                                                                \
   static void density_##name(const sph_lanes *in, int from, int to, double *sum) {                 \
     density_loop(in, from, to, sum, sph_shape_##name, sph_slope_##name);                           \
   }                                                                                                \
@@ -176,6 +187,21 @@ static const sph_loops loops = {PART_WIDTH,
                                 },
                                 {
 #define SPH_KERNEL(name, key, support, meaning) shift_##name,
+#include "sph/kernels.def"
+#undef SPH_KERNEL
+                                },
+                                {
+#define SPH_KERNEL(name, key, support, meaning) variable_density_##name,
+#include "sph/kernels.def"
+#undef SPH_KERNEL
+                                },
+                                {
+#define SPH_KERNEL(name, key, support, meaning) number_##name,
+#include "sph/kernels.def"
+#undef SPH_KERNEL
+                                },
+                                {
+#define SPH_KERNEL(name, key, support, meaning) variable_force_##name,
 #include "sph/kernels.def"
 #undef SPH_KERNEL
                                 }};

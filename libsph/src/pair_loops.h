@@ -30,6 +30,8 @@ typedef struct sph_lanes {
   double artificial;            /* kg/(m s), rho_0 alpha c h of S.10, 0: none */
   double repulsion, anti_clump; /* factors of S.20 and S.21, 0: none */
   double per_shape;             /* 1/shape(dx/h) */
+  const double *lens;           /* [all][2] 1/h, 1/Omega of S.26, where lengths differ */
+  double unit_norm;             /* norm h^d */
 } sph_lanes;
 
 /* Sums of rows from .. to-1 into sum[row][SPH_SUMS]. density: [0] sum V u.grad W, [1] sum V (p_j -
@@ -38,11 +40,15 @@ typedef struct sph_lanes {
  * x_ij.grad W. force: [0..2] force
  * over own volume. shift, into [row][SPH_SHIFTS]: [0..2] sum V grad W, [3..5] sum V (p_j - p_i)
  * grad W, [6] -sum V x_ij.grad W. Where a sum is not asked for it is not written.
+ * variable_density: [0], [1] times the pair's h, [2..4], [6] as density, [7] sum V W without the own; number: [5] as
+ * density, [6] -sum x_ij.grad W; variable_force: as force.
  */
 typedef void (*sph_pair_loop)(const sph_lanes *lanes, int from, int to, double *sum);
 typedef struct sph_loops {
   int width;
   sph_pair_loop density[SPH_KERNEL_COUNT], force[SPH_KERNEL_COUNT], shift[SPH_KERNEL_COUNT];
+  sph_pair_loop variable_density[SPH_KERNEL_COUNT], number[SPH_KERNEL_COUNT],
+      variable_force[SPH_KERNEL_COUNT];
 } sph_loops;
 
 const sph_loops *sph_loops_plain(void);

@@ -14,6 +14,7 @@ void sph_make_plan(sph_t *sph) {
   plan->xsph = p->xsph > 0.0;
   plan->shifting = p->shifting > 0.0;
   plan->correction = p->gradient_correction;
+  plan->variable = p->variable_smoothing;
   plan->summation = p->density_scheme == SPH_SUMMATION;
   plan->viscous = p->viscosity > 0.0 || p->artificial_viscosity > 0.0;
   plan->hydrostatic =
@@ -92,6 +93,9 @@ int sph_plan_text(const sph_t *sph, size_t size, char *text) {
   if (!plan->correction)
     PART_TRY(add_line(size, text, "correction of gradients", "gradientCorrection is off",
                       "a sum and a load a pair"));
+  if (!plan->variable)
+    PART_TRY(add_line(size, text, "smoothing lengths and Omega of partners", "variableSmoothing is off",
+                      "two loads and a kernel value a pair"));
   if (!plan->shifting)
     PART_TRY(add_line(size, text, "particle shifting", "shifting is 0", "a loop over pairs"));
   if (!(sph->params.artificial_pressure > 0.0) && !(sph->params.anti_clump > 0.0))

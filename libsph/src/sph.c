@@ -20,6 +20,29 @@ static int create_parts(sph_t *sph, MPI_Comm comm, const part_box *box) {
   return PART_OK;
 }
 
+static int not_with_variable(const char *entry, int is_on) {
+  return is_on ? part_fail(PART_ERR_RANGE,
+                           "%s: entry %s is not allowed with variableSmoothing on, which has terms of "
+                           "its own for the change of h; must be off, 0 or left out",
+                           sph_params_table.name, entry)
+               : PART_OK;
+}
+
+static int check_variable(const sph_params *p) {
+  if (!p->variable_smoothing)
+    return PART_OK;
+  PART_TRY(not_with_variable("shifting", p->shifting > 0.0));
+  PART_TRY(not_with_variable("gradientCorrection", p->gradient_correction));
+  PART_TRY(not_with_variable("artificialPressure", p->artificial_pressure > 0.0));
+  PART_TRY(not_with_variable("antiClump", p->anti_clump > 0.0));
+  if (p->time_scheme != SPH_SYMPLECTIC)
+    return part_fail(PART_ERR_RANGE,
+                     "%s: entry timeScheme: predictorCorrector is not allowed with variableSmoothing "
+                     "on; must be symplectic",
+                     sph_params_table.name);
+  return PART_OK;
+}
+
 static int check_scheme(const sph_params *p) {
   const char *table = sph_params_table.name;
   const double ratio = p->smoothing_length / p->spacing;
@@ -27,6 +50,7 @@ static int check_scheme(const sph_params *p) {
     return part_fail(PART_ERR_RANGE,
                      "%s: entry smoothingLength: %g m is %g spacings; must be in [0.9, 3]", table,
                      p->smoothing_length, ratio);
+  PART_TRY(check_variable(p));
   if (p->density_scheme == SPH_CONTINUITY)
     return PART_OK;
   /* NaN, left out, must not be compared: whoever traps floating point exceptions would stop here. */
@@ -60,6 +84,9 @@ static void derive(sph_t *sph) {
     p->density_diffusion = p->density_scheme == SPH_CONTINUITY ? 0.1 : 0.0;
   sph->reach = sph_kernel_support(p->kernel) * h;
   sph->skin = p->skin_fraction * sph->reach;
+  if (p->variable_smoothing)
+    sph->reach *= p->largest_smoothing;
+  sph->unit_norm = sph_kernel_norm(p->kernel, dim) / depth;
   sph->norm = sph_kernel_norm(p->kernel, dim) / pow(h, dim) / depth;
   sph->walls.tie = 1e-9 * p->spacing;
   sph->cell = pow(p->spacing, dim) * depth;
@@ -110,6 +137,7 @@ void sph_destroy(sph_t *sph) {
   free(sph->shift);
   free(sph->shade);
   free(sph->factor);
+  free(sph->lens);
   free(sph->saved);
   if (sph->comm != MPI_COMM_NULL)
     MPI_Comm_free(&sph->comm);
@@ -169,6 +197,7 @@ int sph_get_view(sph_t *sph, sph_view *view) {
                      .force_stride = SPH_FORCE,
                      .kernel = sph->params.kernel,
                      .dimensions = (int)sph->params.dimensions,
+                     .lens = sph->plan.variable ? sph->lens : NULL,
                      .h = sph->params.smoothing_length,
                      .depth = sph->params.depth};
   return PART_OK;

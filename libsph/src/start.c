@@ -10,6 +10,12 @@ static int check(const sph_t *sph) {
   if (sph->total == 0)
     return part_fail(PART_ERR_STATE,
                      "there are no particles: insert or read some before sph_start");
+  if (sph->params.variable_smoothing && sph->params.density_scheme == SPH_SUMMATION &&
+      sph->walls.count > 0)
+    return part_fail(PART_ERR_RANGE,
+                     "%s: entry variableSmoothing: on with densityScheme summation has no walls, and "
+                     "there is wall %s; must be off, or densityScheme continuity",
+                     sph_params_table.name, sph->walls.wall[0].name);
   for (int c = 0; c < 3; c++) {
     const double length = sph->box.hi[c] - sph->box.lo[c];
     if (sph->box.periodic[c] && length < 2.0 * (sph->reach + sph->skin))
@@ -23,34 +29,33 @@ static int check(const sph_t *sph) {
 
 /* S.6 where particles have been put: at a free surface the sum lacks the part of the kernel that is in
  * the air, some 0.4 of it with h = 2 dx and 0.1 with h = dx. */
-static int check_sums(const sph_t *sph, const double *before) {
+static int check_sums(sph_t *sph) {
   static const double least = 0.93;
   for (int i = 0; i < sph->store->local; i++) {
     const double *x = sph_xv(sph) + SPH_XV * (size_t)i;
-    const double share = sph_mass(sph)[SPH_MASS * (size_t)i + 1] / before[i];
+    const double share =
+        sph_mass(sph)[SPH_MASS * (size_t)i + 1] / sph_rate(sph)[SPH_RATE * (size_t)i + 3];
     if (!(share >= least))
       return part_fail(PART_ERR_RANGE,
                        "%s: entry densityScheme: summation gives particle %lld at (%g %g %g) m %g of "
                        "the density that it was put there with: it is at a free surface or beside a "
                        "hole, where densityScheme must be continuity",
                        sph_params_table.name, (long long)sph_id(sph, i), x[0], x[1], x[2], share);
+    sph_rate(sph)[SPH_RATE * (size_t)i + 3] = 0.0;
   }
   return PART_OK;
 }
 
+/* The densities of before are kept in the place of their rates: the order may change. */
 static int first_sums(sph_t *sph) {
-  double *before = NULL;
-  size_t room = 0;
-  PART_TRY(part_agree(sph->comm, sph_grow((size_t)sph->store->local + 1, sizeof *before, &room, &before)));
   for (int i = 0; i < sph->store->local; i++)
-    before[i] = sph_mass(sph)[SPH_MASS * (size_t)i + 1];
+    sph_rate(sph)[SPH_RATE * (size_t)i + 3] = sph_mass(sph)[SPH_MASS * (size_t)i + 1];
   int status = sph_density_rates(sph);
   if (status == PART_OK)
-    status = check_sums(sph, before);
-  free(before);
+    status = check_sums(sph);
   PART_TRY(part_agree(sph->comm, status));
   sph_set_states(sph);
-  return sph_refresh_ghosts(sph);
+  return sph->plan.variable ? sph_hold_lengths(sph) : sph_refresh_ghosts(sph);
 }
 
 /* Floating point exceptions held: see sph_advance. */
@@ -60,7 +65,8 @@ static int first_rates(sph_t *sph) {
   int status = PART_OK;
   if (sph->plan.summation) {
     status = first_sums(sph);
-  } else if (sph->params.time_scheme == SPH_PREDICTOR_CORRECTOR || sph->plan.correction) {
+  } else if (sph->params.time_scheme == SPH_PREDICTOR_CORRECTOR || sph->plan.correction ||
+             sph->plan.variable) {
     status = part_agree(sph->comm, sph_density_rates(sph));
     if (status == PART_OK)
       status = sph_make_factors(sph);

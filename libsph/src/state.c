@@ -20,6 +20,8 @@ void sph_set_state(sph_t *sph, int i) {
 void sph_set_states(sph_t *sph) {
   for (int i = 0; i < sph->store->local; i++)
     sph_set_state(sph, i);
+  if (sph->plan.variable)
+    sph_set_lengths(sph);
 }
 
 int sph_refresh_ghosts(sph_t *sph) {
@@ -30,11 +32,13 @@ int sph_refresh_ghosts(sph_t *sph) {
     status = part_domain_copy_to_ghosts(sph->domain, sph->store, SPH_MASS * sizeof *mass, mass,
                                         mass + SPH_MASS * (size_t)sph->store->local);
   }
+  if (status == PART_OK && sph->plan.variable)
+    status = sph_copy_lengths(sph);
   part_timers_stop(sph->timers, sph->stage[SPH_STAGE_GHOSTS]);
   return status;
 }
 
-static sph_lanes lanes_of(const sph_t *sph) {
+sph_lanes sph_lanes_of(const sph_t *sph) {
   const sph_params *p = &sph->params;
   const int all = !p->skip;
   const double *g = sph->hydrostatic;
@@ -49,11 +53,13 @@ static sph_lanes lanes_of(const sph_t *sph) {
       .dimensions = (int)p->dimensions,
       .h = p->smoothing_length,
       .norm = sph->norm,
+      .lens = sph->lens,
+      .unit_norm = sph->unit_norm,
       .density = p->density,
       .hydrostatic = {g[0], g[1], g[2]},
       .diffuse = sph->plan.diffusion || all,
       .smooth = sph->plan.xsph || all,
-      .count = sph->plan.summation || all,
+      .count = sph->plan.summation || (all && !sph->plan.variable),
       .porous = sph->plan.porous || all,
       .correct = sph->plan.correction,
       .factor = sph->factor,
@@ -64,9 +70,11 @@ static sph_lanes lanes_of(const sph_t *sph) {
 }
 
 static int density_sums(sph_t *sph) {
-  const sph_lanes lanes = lanes_of(sph);
+  const sph_lanes lanes = sph_lanes_of(sph);
   part_timers_start(sph->timers, sph->stage[SPH_STAGE_DENSITY]);
-  sph->loops->density[sph->params.kernel](&lanes, 0, sph->lists.rows, sph->sum);
+  const sph_pair_loop *loop =
+      sph->plan.variable ? sph->loops->variable_density : sph->loops->density;
+  loop[sph->params.kernel](&lanes, 0, sph->lists.rows, sph->sum);
   part_timers_stop(sph->timers, sph->stage[SPH_STAGE_DENSITY]);
   return sph->plan.walls ? sph_walls_density(sph) : PART_OK;
 }
@@ -80,6 +88,8 @@ static double factor_of(const sph_t *sph, int i) {
 }
 
 int sph_make_factors(sph_t *sph) {
+  if (sph->plan.variable)
+    return sph_copy_lengths(sph);
   if (!sph->plan.correction)
     return PART_OK;
   for (int i = 0; i < sph->store->local; i++)
@@ -91,9 +101,14 @@ int sph_make_factors(sph_t *sph) {
 /* S.4 + S.5, or S.6: what the scheme asks for. */
 int sph_density_rates(sph_t *sph) {
   const sph_params *p = &sph->params;
-  const double diffuse = 2.0 * p->density_diffusion * p->smoothing_length / p->sound_speed;
-  const int correct = sph->plan.correction;
+  const int correct = sph->plan.correction, variable = sph->plan.variable;
+  const double diffuse =
+      2.0 * p->density_diffusion * (variable ? 1.0 : p->smoothing_length) / p->sound_speed;
+  if (variable && sph->plan.summation)
+    return sph_solve_lengths(sph);
   PART_TRY(density_sums(sph));
+  if (variable)
+    sph_set_omegas(sph);
   if (sph->plan.summation) {
     sph_density_sums(sph);
     return PART_OK;
@@ -101,13 +116,17 @@ int sph_density_rates(sph_t *sph) {
   for (int i = 0; i < sph->store->local; i++) {
     const double *s = sph->sum + SPH_SUMS * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
     sph_rate(sph)[SPH_RATE * (size_t)i + 3] =
-        (correct ? factor_of(sph, i) : 1.0) * m[1] * s[0] - diffuse * s[1];
+        (correct    ? factor_of(sph, i)
+         : variable ? sph->lens[2 * (size_t)i + 1]
+                    : 1.0) *
+            m[1] * s[0] -
+        diffuse * s[1];
   }
   return PART_OK;
 }
 
 int sph_shift_sums(sph_t *sph) {
-  const sph_lanes lanes = lanes_of(sph);
+  const sph_lanes lanes = sph_lanes_of(sph);
   part_timers_start(sph->timers, sph->stage[SPH_STAGE_MOVE]);
   sph->loops->shift[sph->params.kernel](&lanes, 0, sph->lists.rows, sph->shift);
   part_timers_stop(sph->timers, sph->stage[SPH_STAGE_MOVE]);
@@ -124,9 +143,10 @@ void sph_density_sums(sph_t *sph) {
 }
 
 int sph_accelerations(sph_t *sph) {
-  const sph_lanes lanes = lanes_of(sph);
+  const sph_lanes lanes = sph_lanes_of(sph);
   part_timers_start(sph->timers, sph->stage[SPH_STAGE_FORCE]);
-  sph->loops->force[sph->params.kernel](&lanes, 0, sph->lists.rows, sph->sum);
+  const sph_pair_loop *loop = sph->plan.variable ? sph->loops->variable_force : sph->loops->force;
+  loop[sph->params.kernel](&lanes, 0, sph->lists.rows, sph->sum);
   part_timers_stop(sph->timers, sph->stage[SPH_STAGE_FORCE]);
   memset(sph->wall_force, 0, sizeof sph->wall_force);
   if (sph->plan.walls)
@@ -174,8 +194,10 @@ int sph_check_state(sph_t *sph) {
 /* S.15. The speed of sound of the mixture is c/sqrt(eps). */
 int sph_limits(sph_t *sph, double *step, double *speed) {
   const sph_params *p = &sph->params;
-  const double h = p->smoothing_length, c = p->sound_speed;
-  double most[2] = {0.0, 0.0};
+  const double c = p->sound_speed;
+  double h = p->smoothing_length, most[2] = {0.0, 0.0};
+  if (sph->plan.variable)
+    PART_TRY(sph_least_length(sph, &h));
   for (int i = 0; i < sph->store->local; i++) {
     const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
     const double *rate = sph_rate(sph) + SPH_RATE * (size_t)i;

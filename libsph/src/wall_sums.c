@@ -10,7 +10,7 @@ static double dot(const double a[3], const double b[3]) {
 /* The table holds what is linear in the velocity: all but Monaghan's viscosity. */
 static int by_table(const sph_t *sph, const sph_seer *s) {
   const int linear = sph->params.viscosity_model == SPH_MORRIS || !(sph->params.viscosity > 0.0);
-  return s->alone && linear && sph->params.skip && !sph->plan.fixed;
+  return s->alone && linear && sph->params.skip && !sph->plan.fixed && !sph->plan.variable;
 }
 
 /* Velocity of a particle less that of the ghost: normal part along n, the rest across. */
@@ -28,9 +28,10 @@ static double split(const sph_t *sph, int i, const sph_face *face, double across
 /* Eq. 26 in S.4, for walls whose surface moves in itself; and V W for S.6. Ghosts have the pressure
  * that makes S.5 vanish. */
 static void density_of_points(sph_t *sph, int i, sph_seer *s) {
-  const double h = sph->params.smoothing_length, slope_norm = sph->norm / (h * h);
+  const double h = sph_length(sph, i), norm = sph_norm_at(sph, h), slope_norm = norm / (h * h);
   const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
   double *sum = sph->sum + SPH_SUMS * (size_t)i;
+  double *shade = sph->plan.summation ? &sph->shade[i] : sph->plan.variable ? &sum[7] : NULL;
   const int n = sph_walls_points(sph, s);
   for (int k = 0; k < n; k++) {
     const sph_point *p = &sph->walls.point[k];
@@ -41,8 +42,8 @@ static void density_of_points(sph_t *sph, int i, sph_seer *s) {
       way -= dot(p->q, sph->walls.wall[sph->walls.face[p->face].wall].params.velocity);
     sum[0] -= f * way;
     sum[6] -= f * dot(p->r, p->r);
-    if (sph->plan.summation)
-      sph->shade[i] += p->volume * sph->norm * sph_shape(sph->params.kernel, q);
+    if (shade != NULL)
+      *shade += p->volume * norm * sph_shape(sph->params.kernel, q);
   }
 }
 
@@ -83,10 +84,10 @@ int sph_walls_density(sph_t *sph) {
 
 /* Viscous part along d = -r and along u: S.8 and S.9 with the velocity of eq. 25; S.10 with its
  * part along the normal, approach = (u_n n).d. */
-static void viscous(const sph_t *sph, const double d[3], const double u[3], double approach,
+static void viscous(const sph_t *sph, double h, const double d[3], const double u[3], double approach,
                     double *along_d, double *along_u) {
   const sph_params *p = &sph->params;
-  const double h = p->smoothing_length, d2 = dot(d, d), soft = d2 + 0.01 * h * h, w = dot(d, u);
+  const double d2 = dot(d, d), soft = d2 + 0.01 * h * h, w = dot(d, u);
   *along_u = 0.0;
   *along_d = p->density * p->artificial_viscosity * p->sound_speed * h *
              (approach < 0.0 ? approach : 0.0) / soft;
@@ -94,12 +95,14 @@ static void viscous(const sph_t *sph, const double d[3], const double u[3], doub
     *along_u = 2.0 * p->viscosity;
   } else if (p->viscosity > 0.0) {
     const double per_r = 1.0 / sqrt(d2);
-    *along_d += p->density * sph->monaghan * (p->sound_speed + fabs(w) * per_r) * w * per_r;
+    *along_d += p->density * sph->monaghan * (p->smoothing_length / h) * (p->sound_speed + fabs(w) * per_r) * w * per_r;
   }
 }
 
-/* S.22: ghost points have the factor of the particle. */
+/* S.22, S.26: ghost points have the factor of the particle. */
 static double factor_of(const sph_t *sph, int i) {
+  if (sph->plan.variable)
+    return sph->lens[2 * (size_t)i + 1];
   return sph->plan.correction ? sph->factor[i] : 1.0;
 }
 
@@ -107,9 +110,9 @@ static double factor_of(const sph_t *sph, int i) {
  * wall as that of a fluid at rest; that of fixed points is no less than the
  * particle's: with that of their density alone (Wu et al. 2018) water 20 particles deep runs
  * through them. Returns the force over own volume in `force`. */
-static void force_of(const sph_t *sph, int i, const sph_point *p, double force[3]) {
+static void force_of(const sph_t *sph, int i, const sph_point *p, double h, double slope_norm,
+                     double force[3]) {
   const double *x = sph_xv(sph) + SPH_XV * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
-  const double h = sph->params.smoothing_length, slope_norm = sph->norm / (h * h);
   const sph_face *face = &sph->walls.face[p->face];
   const double d[3] = {-p->r[0], -p->r[1], -p->r[2]};
   const double d2 = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
@@ -125,7 +128,7 @@ static void force_of(const sph_t *sph, int i, const sph_point *p, double force[3
   }
   if (fixed)
     pressure = x[7] + fmax(x[7], sph->params.background_pressure);
-  viscous(sph, d, u, fixed ? dot(d, u) : normal * dot(d, face->n), &along_d, &along_u);
+  viscous(sph, h, d, u, fixed ? dot(d, u) : normal * dot(d, face->n), &along_d, &along_u);
   for (int c = 0; c < 3; c++)
     force[c] = f * ((m[2] * along_d - factor_of(sph, i) * pressure) * d[c] + m[2] * along_u * u[c]);
 }
@@ -153,11 +156,12 @@ static void force_of_sides(sph_t *sph, int row, sph_seer *s) {
 }
 
 static void force_of_points(sph_t *sph, int i, sph_seer *s) {
+  const double h = sph_length(sph, i), slope_norm = sph_norm_at(sph, h) / (h * h);
   const int n = sph_walls_points(sph, s);
   for (int k = 0; k < n; k++) {
     const sph_point *p = &sph->walls.point[k];
     double force[3];
-    force_of(sph, i, p, force);
+    force_of(sph, i, p, h, slope_norm, force);
     take_force(sph, i, p->face, force);
   }
 }

@@ -25,7 +25,12 @@ static scene tank(const variant *v) {
   s.params.artificial_viscosity = 0.05;
   s.params.xsph = v->density == SPH_SUMMATION ? 0.0 : 0.2;
   s.params.skip = v->skip;
-  if (v->extra) {
+  if (v->extra == 2) {
+    s.params.variable_smoothing = 1;
+    s.params.largest_smoothing = 1.1;
+    s.box.periodic[1] = v->density == SPH_SUMMATION;
+  }
+  if (v->extra == 1) {
     s.params.shifting = 2.0;
     s.params.artificial_pressure = 0.2;
     s.params.anti_clump = 0.01;
@@ -44,7 +49,8 @@ static void run(const variant *v, MPI_Comm comm, body *bodies, sph_report *repor
   sph_t *sph = scene_create(&s);
   sph_view view;
   double eps[N];
-  add_planes(sph, &s, 1, SPH_NO_SLIP);
+  if (!s.box.periodic[1])
+    add_planes(sph, &s, 1, SPH_NO_SLIP);
   if (v->density == SPH_CONTINUITY)
     add_planes(sph, &s, 2, SPH_FREE_SLIP);
   fill_water(sph, &s, 0.09, 2);
@@ -89,7 +95,11 @@ static const variant variants[] = {
     {SPH_KERNEL_cubic_spline, SPH_MORRIS, SPH_PREDICTOR_CORRECTOR, SPH_SUMMATION, 1, 1, 1, 0},
     {SPH_KERNEL_wendland_c2, SPH_MORRIS, SPH_SYMPLECTIC, SPH_CONTINUITY, 1, 1, 1, 1},
     {SPH_KERNEL_cubic_spline, SPH_MORRIS, SPH_PREDICTOR_CORRECTOR, SPH_CONTINUITY, 1, 1, 1, 1},
+    {SPH_KERNEL_wendland_c2, SPH_MORRIS, SPH_SYMPLECTIC, SPH_CONTINUITY, 1, 1, 1, 2},
+    {SPH_KERNEL_wendland_c4, SPH_MONAGHAN, SPH_SYMPLECTIC, SPH_CONTINUITY, 0, 1, 1, 2},
+    {SPH_KERNEL_wendland_c2, SPH_MORRIS, SPH_SYMPLECTIC, SPH_SUMMATION, 1, 1, 1, 2},
 };
+/* ... and, as the last ones, with a smoothing length for each particle (S.26) */
 enum { VARIANTS = sizeof variants / sizeof variants[0] };
 
 static void widths(void **state) {

@@ -2,7 +2,7 @@
 /* libsph: smoothed particle hydrodynamics. An sph_t holds the particles of a weakly compressible
  * fluid and its walls, and advances them under gravity and a force that whoever couples puts in. The
  * equations are those of a fluid averaged over the solids in it (Robinson et al. 2014; Markauskas et
- * al. 2017): doc/equations.md, S.1 to S.25.
+ * al. 2017): doc/equations.md, S.1 to S.26.
  *
  * SI units. Status returns as in particle/status.h. Calls marked collective are made by all ranks
  * of the communicator together; the others are local. */
@@ -62,6 +62,8 @@ typedef enum { SPH_MORRIS, SPH_MONAGHAN } sph_viscosity_model;
 typedef enum { SPH_SYMPLECTIC, SPH_PREDICTOR_CORRECTOR } sph_time_scheme;
 typedef struct sph_params {
   double spacing, smoothing_length; /* m */
+  int variable_smoothing;           /* S.26 */
+  double largest_smoothing;         /* over smoothing_length */
   int kernel;                       /* row of sph/kernels.def */
   int64_t dimensions;               /* 3, or 2 in a plane of constant z */
   double depth;                     /* m, along z, with two dimensions */
@@ -187,6 +189,7 @@ typedef struct sph_view {
   double *eps_gradient; /* [own][3], stride force_stride, 1/m; may be written */
   int force_stride;
   int kernel, dimensions;
+  const double *lens; /* [own][2] 1/h (1/m) and 1/Omega (S.26) of the last sums, NULL with one h for all */
   double h, depth; /* m; W per volume is that of sph_kernel_value over depth with two dimensions */
 } sph_view;
 int sph_get_view(sph_t *sph, sph_view *view);
