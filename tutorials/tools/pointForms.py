@@ -29,10 +29,10 @@ def kernel(length, diameter, n=4001):
 
 
 class PointBlock:
-    """layers: heights of the layers; per_layer: spheres of each; area: of the column; length: coupling length h_c."""
+    """layers: heights of the layers; per_layer: spheres of each; area: of the column; length: coupling length h_c; rho, mu: of the fluid."""
 
-    def __init__(self, layers, diameter, per_layer, area, height, length, n=4096):
-        self.d, self.n = diameter, per_layer
+    def __init__(self, layers, diameter, per_layer, area, height, length, n=4096, rho=1000.0, mu=1e-3):
+        self.d, self.n, self.rho, self.mu = diameter, per_layer, rho, mu
         self.z = (np.arange(n) + 0.5) * height / n
         z, k = kernel(length, diameter)
         away = (self.z[None, :] - np.asarray(layers)[:, None] + height / 2) % height - height / 2
@@ -45,7 +45,7 @@ class PointBlock:
 
     def layer_forces(self, w):
         """Sum of beta/eps (u - v) over the spheres of each layer at the superficial slip w, N."""
-        return self.n * di_felice(w * self.slip_layer * self.eps_layer, self.d, self.eps_layer) / self.eps_layer
+        return self.n * di_felice(w * self.slip_layer * self.eps_layer, self.d, self.eps_layer, self.rho, self.mu) / self.eps_layer
 
     def force(self, w):
         return self.layer_forces(w).sum()
