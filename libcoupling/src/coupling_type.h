@@ -61,7 +61,7 @@ struct cpl_t {
   CPL_ARRAY(double) extra;     /* [count][3] N, the part of told that is no drag; selfDisturbance */
   CPL_ARRAY(double) cell_told; /* [cells][3] N, their deposit */
   CPL_ARRAY(double) constant;  /* [count][3] grad p and div tau forces, N */
-  CPL_ARRAY(double) spread;    /* [count] m2, variance of the kernel per axis; selfDisturbance */
+  CPL_ARRAY(double) spread;    /* [count][2] m2, wake.h; selfDisturbance */
   CPL_ARRAY(double) disturbance; /* [count][3] m/s; selfDisturbance */
   CPL_ARRAY(double) mean_d;      /* [count] m, Sauter mean diameter around; drag that needs it */
   int64_t outside;               /* particles outside the range of the drag law */

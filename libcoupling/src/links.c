@@ -3,8 +3,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Area vector of a face: triangles about its centre, m2. */
-static void face_area(const cpl_mesh *mesh, int f, double area[3]) {
+void cpl_face_area(const cpl_mesh *mesh, int f, double area[3]) {
   const double *apex = mesh->face_centre + 3 * (size_t)f;
   area[0] = area[1] = area[2] = 0.0;
   const int first = mesh->face_start[f], end = mesh->face_start[f + 1];
@@ -26,7 +25,7 @@ static double conductance(const cpl_mesh *mesh, int f) {
   const double *own = mesh->cell_centre + 3 * (size_t)mesh->owner[f];
   const double *nei = mesh->cell_centre + 3 * (size_t)mesh->neighbour[f];
   double area[3], along = 0.0, length2 = 0.0;
-  face_area(mesh, f, area);
+  cpl_face_area(mesh, f, area);
   for (int d = 0; d < 3; d++) {
     const double x = nei[d] - own[d];
     along += area[d] * x;

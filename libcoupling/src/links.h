@@ -16,6 +16,8 @@ typedef struct cpl_links {
   CPL_ARRAY(double) sent;        /* work space */
 } cpl_links;
 
+/* Area vector of a face: triangles about its centre, m2. */
+void cpl_face_area(const cpl_mesh *mesh, int face, double area[3]);
 /* Local. mesh is used, not copied. After an error free it all the same. */
 int cpl_links_make(const cpl_mesh *mesh, cpl_links *links);
 void cpl_links_free(cpl_links *links);

@@ -1,23 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "smoothing.h"
 #include <math.h>
 #include <string.h>
-#include "links.h"
+#include "smoothing_type.h"
 
 /* Part of its content that a cell may give away in one pass: <= 1 keeps everything positive, and
  * below 1 neighbours do not merely swap (with 0.7 that mode decays by 0.4 a pass). */
 static const double GIVEN = 0.7;
 static const double MOST_PASSES = 100000.0;
-
-struct cpl_smoother {
-  MPI_Comm comm;
-  int size, passes;
-  cpl_links links;
-  CPL_ARRAY(double) share;    /* of the difference to a neighbour taken in one pass */
-  CPL_ARRAY(double) variance; /* [cells] m2 */
-  CPL_ARRAY(double) now;
-  CPL_ARRAY(double) next;
-};
 
 /* ---- build ---------------------------------------------------------------------------------- */
 static double cell_variance(const cpl_mesh *mesh, int c, double variance, double cells) {
@@ -111,6 +100,7 @@ void cpl_smoother_destroy(cpl_smoother *s) {
   cpl_links_free(&s->links);
   CPL_FREE(s->share);
   CPL_FREE(s->variance);
+  CPL_FREE(s->shape);
   CPL_FREE(s->now);
   CPL_FREE(s->next);
   free(s);
@@ -118,10 +108,6 @@ void cpl_smoother_destroy(cpl_smoother *s) {
 
 int cpl_smoother_passes(const cpl_smoother *s) {
   return s->passes;
-}
-
-const double *cpl_smoother_variance(const cpl_smoother *s) {
-  return s->variance.data;
 }
 
 /* ---- apply ---------------------------------------------------------------------------------- */

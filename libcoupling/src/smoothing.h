@@ -28,8 +28,12 @@ int cpl_smoother_create(MPI_Comm comm, const cpl_mesh *mesh, double variance, do
 void cpl_smoother_destroy(cpl_smoother *smoother);
 /* m, the same on all ranks. */
 int cpl_smoother_passes(const cpl_smoother *smoother);
-/* [cells] of the kernel per axis, m2. */
-const double *cpl_smoother_variance(const cpl_smoother *smoother);
+/* Collective. shape[cells][CPL_SHAPE] of the kernel of each cell, found at the first call: way from
+ * the cell's centre to that of the kernel (m), the variance per axis asked for (m2), and that of
+ * the Gaussian as dense as the kernel is, the cube root of the determinant of the moments that it
+ * has (m2). The two differ where the ways to the neighbours of a cell do not cancel. */
+enum { CPL_SHAPE = 5 };
+int cpl_smoother_shape(cpl_smoother *smoother, const double **shape);
 /* Collective. density[cells][n] <- S density. */
 int cpl_smoother_apply(cpl_smoother *smoother, int n, double *density);
 

@@ -6,9 +6,12 @@
 #include "coupling_type.h"
 #include "match.h"
 
-/* Collective. spread[count]: variance of the kernel of each particle as located, that of its
- * weights included. */
+/* Collective. spread[count][2]: variances of the kernel of each particle as located, that of its
+ * weights included: the one asked for, and that of its density (cpl_smoother_shape). */
 int cpl_wake_spread(cpl_t *cpl);
+/* chi <= 1, the share of a particle in the solids around it: volume m3, variance of its density m2,
+ * eps as it samples it. */
+double cpl_wake_share(double volume, double variance, double eps);
 /* Local. disturbance[count][3] from the memories, at the sampled slip. */
 int cpl_wake_velocity(cpl_t *cpl, const cpl_particles *particles);
 /* Collective. The memories after a flow step dt: drag impulses as they stand in particle_work

@@ -5,6 +5,7 @@
 #include "memory.h"
 #include "overlap_methods.h"
 #include "rendezvous.h"
+#include "smoothing.h"
 #include "sphere.h"
 #include "void_fractions.h"
 
@@ -300,29 +301,31 @@ sample_rows(const cpl_weights *w, size_t n, const double *cell, const cpl_visit_
   }
 }
 
-static void moment_rows(const cpl_weights *w, const double *value, const cpl_visit_range *range) {
+static void moment_rows(const cpl_weights *w, const double *shape, const cpl_visit_range *range) {
   for (int k = 0; k < range->count; k++) {
     double *sum = range->at + (size_t)(range->index ? range->index[k] : k) * CPL_MOMENTS;
     const double *x = cpl_rendezvous_spheres(w->rendezvous) + 4 * (size_t)(range->first + k);
     const int first = w->start.data[range->first + k], length = w->length.data[range->first + k];
     for (int j = first; j < first + length; j++) {
       const double *c = w->mesh->cell_centre + 3 * (size_t)w->list.cell[j];
+      const double *kernel = shape + CPL_SHAPE * (size_t)w->list.cell[j];
       const double weight = w->list.volume[j];
       for (int d = 0; d < 3; d++) {
-        const double y = c[d] - x[d];
+        const double y = c[d] + kernel[d] - x[d];
         sum[d] += weight * y;
         sum[3] += weight * y * y;
       }
-      sum[4] += weight * value[w->list.cell[j]];
+      sum[4] += weight * kernel[3];
+      sum[5] += weight * kernel[4];
     }
   }
 }
 
-int cpl_weights_moments(cpl_weights *w, const double *value, double *moment) {
+int cpl_weights_moments(cpl_weights *w, const double *shape, double *moment) {
   cpl_visit_range range[2];
   PART_TRY(cpl_rendezvous_begin(w->rendezvous, CPL_MOMENTS, w->count, moment, range));
   for (int k = 0; k < 2; k++)
-    moment_rows(w, value, &range[k]);
+    moment_rows(w, shape, &range[k]);
   return cpl_rendezvous_end(w->rendezvous, CPL_MOMENTS, moment);
 }
 

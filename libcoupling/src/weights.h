@@ -24,8 +24,9 @@ int cpl_weights_deposit(cpl_weights *weights, int n, const double *value, double
 /* Collective. q_i = sum_c w_ic q_c; cell[cells][n], value[count][n]. */
 int cpl_weights_sample(cpl_weights *weights, int n, const double *cell, double *value);
 /* Collective. moment[count][CPL_MOMENTS] of the weights of each particle, with y the way from its
- * centre to that of the cell: sum_c w_ic y (m), sum_c w_ic |y|^2 (m2), sum_c w_ic value_c. */
-enum { CPL_MOMENTS = 5 };
-int cpl_weights_moments(cpl_weights *weights, const double *value, double *moment);
+ * centre to that of the kernel of the cell: sum_c w_ic y (m), sum_c w_ic |y|^2 (m2), and the two
+ * variances of the shape[cells][CPL_SHAPE] (smoothing.h), sum_c w_ic v_c (m2). */
+enum { CPL_MOMENTS = 6 };
+int cpl_weights_moments(cpl_weights *weights, const double *shape, double *moment);
 
 #endif

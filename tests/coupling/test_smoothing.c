@@ -8,55 +8,8 @@
 #include <string.h>
 #include <cmocka.h>
 #include "../../libcoupling/src/smoothing.h"
+#include "cyclic_mesh.h"
 #include "scene.h"
-
-/* ---- a block of cubes whose borders are cyclic in all directions ----------------------------- */
-typedef struct cyclic {
-  made_mesh mesh;
-  cpl_coupled_faces coupled;
-  int *cell, *partner;
-  double *conductance;
-} cyclic;
-
-static int swap(void *context, int n, const double *own, double *other) {
-  const cyclic *c = context;
-  for (int k = 0; k < c->coupled.count; k++)
-    memcpy(other + (size_t)k * (size_t)n, own + (size_t)c->partner[k] * (size_t)n,
-           (size_t)n * sizeof *own);
-  return PART_OK;
-}
-
-static void make_cyclic(cyclic *c, int n) {
-  const mesh_options options = MESH_UNIT(MESH_HEX, n, n, n);
-  mesh_make(&options, &c->mesh);
-  const cpl_mesh *m = &c->mesh.view;
-  const int count = m->faces - m->internal;
-  c->cell = mesh_alloc((size_t)count, sizeof *c->cell);
-  c->partner = mesh_alloc((size_t)count, sizeof *c->partner);
-  c->conductance = mesh_alloc((size_t)count, sizeof *c->conductance);
-  for (int k = 0; k < count; k++) {
-    const double *x = m->face_centre + 3 * (size_t)(m->internal + k);
-    c->cell[k] = m->owner[m->internal + k];
-    c->conductance[k] = 1.0 / n;
-    for (int l = 0; l < count; l++) {
-      const double *y = m->face_centre + 3 * (size_t)(m->internal + l);
-      double apart = 0.0;
-      for (int d = 0; d < 3; d++)
-        apart += fabs(fabs(x[d] - y[d]) - (fabs(x[d] - 0.5) > 0.5 - 1e-9 ? 1.0 : 0.0));
-      if (apart < 1e-9)
-        c->partner[k] = l;
-    }
-  }
-  c->coupled = (cpl_coupled_faces){count, c->cell, c->conductance, swap, c};
-  c->mesh.view.coupled = &c->coupled;
-}
-
-static void free_cyclic(cyclic *c) {
-  free(c->cell);
-  free(c->partner);
-  free(c->conductance);
-  mesh_free(&c->mesh);
-}
 
 /* ---- on any mesh ----------------------------------------------------------------------------- */
 static double inner(const cpl_mesh *m, const double *a, const double *b) {
@@ -123,10 +76,10 @@ static void test_kept(void **state) {
     check_kept(&mesh.view, 0.0, 2.0); /* as wide as the cells ask for */
     mesh_free(&mesh);
   }
-  cyclic c;
-  make_cyclic(&c, 6);
+  cyclic_mesh c;
+  cyclic_make(&c, 6);
   check_kept(&c.mesh.view, 0.04, 0.0);
-  free_cyclic(&c);
+  cyclic_free(&c);
 }
 
 /* ---- width ----------------------------------------------------------------------------------- */
@@ -174,14 +127,14 @@ static double mean_variance(cpl_smoother *s, const cpl_mesh *m, double period) {
 
 static void test_width(void **state) {
   (void)state;
-  cyclic c;
-  make_cyclic(&c, 16);
+  cyclic_mesh c;
+  cyclic_make(&c, 16);
   cpl_smoother *s;
   const double variance = 0.07 * 0.07; /* 7 sigma to half the period: nothing wraps around */
   assert_int_equal(cpl_smoother_create(MPI_COMM_SELF, &c.mesh.view, variance, 0.0, &s), PART_OK);
   assert_near(mean_variance(s, &c.mesh.view, 1.0), variance, 1e-9 * variance);
   cpl_smoother_destroy(s);
-  free_cyclic(&c);
+  cyclic_free(&c);
   /* Where the ways from a cell to its neighbours do not cancel, successive passes are correlated,
    * and the width is right to some percent only */
   const mesh_kind kinds[] = {MESH_HEX, MESH_PRISM, MESH_TET, MESH_POLY};

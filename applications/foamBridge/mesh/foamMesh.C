@@ -56,6 +56,7 @@ void foamMesh::makeCoupled()
 {
   DynamicList<int> cells;
   DynamicList<double> conductance;
+  DynamicList<vector> way;
   coupledStart_.setSize(mesh_.boundary().size(), -1);
   forAll(mesh_.boundary(), patchi)
   {
@@ -68,13 +69,16 @@ void foamMesh::makeCoupled()
     {
       cells.append(faceCells[i]);
       conductance.append(max(patch.Sf()[i] & d[i], scalar(0))/magSqr(d[i]));
+      way.append(d[i]);
     }
   }
   coupledCell_ = cells;
   conductance_ = conductance;
+  way_ = way;
   coupled_.count = coupledCell_.size();
   coupled_.cell = coupledCell_.cdata();
   coupled_.conductance = conductance_.cdata();
+  coupled_.way = reinterpret_cast<const double*>(way_.cdata());
   coupled_.exchange = exchange;
   coupled_.context = this;
   view_.coupled = &coupled_;

@@ -33,6 +33,7 @@ typedef struct cpl_coupled_faces {
   int count;
   const int *cell;           /* [count] on this side */
   const double *conductance; /* [count] (S.d)/|d|^2 with d from centre to centre, m */
+  const double *way;         /* [count][3] d, m */
   /* Collective. other[count][n] = own[count][n] of the same face seen from there. */
   int (*exchange)(void *context, int n, const double *own, double *other);
   void *context;

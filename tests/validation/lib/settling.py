@@ -29,8 +29,10 @@ def settle(path, fluid, ratio, *, coupling, width, bandwidth=None, travel=None, 
         path, cells=(n, n, 2 * n), hi=lengths, kinds={'x': 'cyclic', 'y': 'cyclic', 'z': 'wall'}, spheres=[start],
         density=DENSITY, g=(0, 0, -GRAVITY), coupling=entries, dt=0.05 * min(h, 2 * DIAMETER) / v, end=travel / v,
         predictor=True, correctors=2, tolerance=1e-9, mesh=mesh, contact={'normalStiffness': 1e-2}, **properties, **more)
+    window = max(2 * h, 2 * DIAMETER)
+    times = (travel - window * np.linspace(0, 1, 9)) / v
     log = Log(solve(case, ranks=ranks, timeout=3000)[1])
     speed = np.array(log.speed)
     way = np.cumsum(speed * np.array(log.dt))
-    last = speed[way > way[-1] - max(2 * h, 2 * DIAMETER)]
-    return last, v, with_images(lengths, (bandwidth or 6) * DIAMETER, h, **properties)
+    last = speed[way > way[-1] - window]
+    return last, v, with_images(lengths, (bandwidth or 6) * DIAMETER, h, start[2], times, **properties)
