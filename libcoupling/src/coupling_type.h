@@ -83,6 +83,9 @@ struct cpl_t {
   int has_budget;
 };
 
+/* cpl_particles.kind */
+enum { CPL_FREE_SPHERE = 0, CPL_FIXED_SPHERE = 1, CPL_BLOCK_MEMBER = 2 };
+
 /* The largest status of all ranks; nothing with one rank. */
 static inline int cpl_agree(const cpl_t *cpl, int status) {
   return cpl->size > 1 ? part_agree(cpl->comm, status) : status;

@@ -53,7 +53,7 @@ static int deposit_told(cpl_t *cpl) {
   return PART_OK;
 }
 
-/* cell_work[cells][6] = (R - T dt)/S and Q/s; T 0 without kicks. Drag in a cell whose particles
+/* cell_work[cells][6] = (R - T dt)/S and Q/s; T 0 without kicks. dt: of the reactions. Drag in a cell whose particles
  * have no drag coefficient (all b_i = 0) is shared by volume. */
 static int divide(cpl_t *cpl, const double *drag, const double *volume, double dt, int kicks) {
   for (size_t c = 0; c < (size_t)cpl->mesh.cells; c++) {
@@ -80,7 +80,7 @@ static int divide(cpl_t *cpl, const double *drag, const double *volume, double d
 }
 
 /* kick[view order] = what they were told, and shares of the rest. */
-static int share_out(cpl_t *cpl, const cpl_particles *p, double dt, double *kick) {
+static int share_out(cpl_t *cpl, const cpl_particles *p, double dt, int remember, double *kick) {
   PART_TRY(cpl_gather(cpl, 6, cpl->cell_work.data, cpl->particle_work.data));
   for (size_t i = 0; i < (size_t)cpl->count; i++)
     for (size_t d = 0; d < 3; d++)
@@ -96,7 +96,7 @@ static int share_out(cpl_t *cpl, const cpl_particles *p, double dt, double *kick
   PART_TRY(cpl_match_create(cpl->comm, cpl->count, cpl->id.data, p->count, cpl->id_work.data,
                             "since cpl_locate", &match));
   status = cpl_match_move(match, 3, cpl->particle_work2.data, kick);
-  if (status == PART_OK && cpl->wake)
+  if (status == PART_OK && remember && cpl->wake)
     status = cpl_wake_remember(cpl, p, match, dt);
   cpl_match_destroy(match);
   return status;
@@ -105,8 +105,9 @@ static int share_out(cpl_t *cpl, const cpl_particles *p, double dt, double *kick
 /* ---- budget --------------------------------------------------------------------------------- */
 enum { FLUID = 0, PARTICLES = 3, REACTIONS = 6, BUOYANCY, IMPULSES, KICKS, TERMS };
 
-/* Take from the kicks what was already received, and add up both sides. */
-static void settle(const cpl_t *cpl, const cpl_particles *p, double dt, double *kick, double *sum) {
+/* Take from the kicks what was already received in this part of the step, and add up both sides. */
+static void settle(const cpl_t *cpl, const cpl_particles *p, double dt, double part, double *kick,
+                   double *sum) {
   for (int i = 0; i < p->count; i++) {
     double impulse[3];
     cpl_received(cpl, p, i, impulse, NULL);
@@ -115,7 +116,7 @@ static void settle(const cpl_t *cpl, const cpl_particles *p, double dt, double *
     double *k = kick + 3 * (size_t)i, buoyancy[3];
     for (int d = 0; d < 3; d++) {
       buoyancy[d] = -mass * cpl->fluid.gravity[d] * dt;
-      k[d] -= impulse[d] - buoyancy[d];
+      k[d] -= part * (impulse[d] - buoyancy[d]);
       sum[FLUID + d] += buoyancy[d];
       sum[PARTICLES + d] += impulse[d] + k[d];
     }
@@ -176,8 +177,9 @@ static int check_reaction(const cpl_t *cpl, double dt, const double *kick) {
   return PART_OK;
 }
 
+/* probe: of the first part of the step, and nothing but the kicks. */
 static int reaction(cpl_t *cpl, const cpl_particles *particles, const double *drag,
-                    const double *volume, double dt, double *kick) {
+                    const double *volume, double dt, double part, int probe, double *kick) {
   int status = check_reaction(cpl, dt, kick);
   if (status == PART_OK)
     status = CPL_RESERVE(cpl->cell_work, 6 * (size_t)cpl->mesh.cells);
@@ -188,24 +190,37 @@ static int reaction(cpl_t *cpl, const cpl_particles *particles, const double *dr
   PART_TRY(cpl_agree(cpl, status));
   if (kick)
     PART_TRY(deposit_told(cpl));
-  PART_TRY(cpl_agree(cpl, divide(cpl, drag, volume, dt, kick != NULL)));
+  PART_TRY(cpl_agree(cpl, divide(cpl, drag, volume, part * dt, kick != NULL)));
   double sum[TERMS] = {0.0};
   if (kick) {
-    if (cpl->wake)
+    if (cpl->wake && !probe)
       PART_TRY(cpl_wake_spread(cpl)); /* the particles have moved since cpl_sample_fluid */
-    PART_TRY(share_out(cpl, particles, dt, kick));
-    settle(cpl, particles, dt, kick, sum);
+    PART_TRY(share_out(cpl, particles, part * dt, !probe, kick));
+    settle(cpl, particles, dt, part, kick, sum);
   } else {
     settle_cells(cpl, dt, sum);
   }
-  close_budget(cpl, drag, volume, sum);
+  if (!probe)
+    close_budget(cpl, drag, volume, sum);
   return PART_OK;
 }
 
 int cpl_reaction(cpl_t *cpl, const cpl_particles *particles, const double *drag_reaction,
                  const double *volume_reaction, double dt, double *kick) {
   part_timers_start(cpl->timers, cpl->stage[CPL_REACT]);
-  const int status = reaction(cpl, particles, drag_reaction, volume_reaction, dt, kick);
+  const int status =
+      reaction(cpl, particles, drag_reaction, volume_reaction, dt, 1.0, 0, kick);
+  part_timers_stop(cpl->timers, cpl->stage[CPL_REACT]);
+  return status;
+}
+
+int cpl_foresee_kick(cpl_t *cpl, const cpl_particles *particles, const double *drag_reaction,
+                     const double *volume_reaction, double dt, double part, double *kick) {
+  if (!kick || !(part > 0.0) || part > 1.0)
+    return part_fail(PART_ERR_ARGUMENT,
+                     "cpl_foresee_kick: needs room for the kicks, and a part of the step in (0, 1]");
+  part_timers_start(cpl->timers, cpl->stage[CPL_REACT]);
+  const int status = reaction(cpl, particles, drag_reaction, volume_reaction, dt, part, 1, kick);
   part_timers_stop(cpl->timers, cpl->stage[CPL_REACT]);
   return status;
 }

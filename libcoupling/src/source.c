@@ -2,7 +2,7 @@
 /* What the fluid gives the particles, and gets back.
  *
  * With J_i the drag impulse that particle i really received over dt, and
- *   b_i = (m_i/eps_i) (1 - exp(-beta_i dt/m_i))/dt        (fixed: beta_i/eps_i),
+ *   b_i = (m_i/eps_i) (1 - exp(-beta_i dt/m_i))/dt        (fixed, blocks: beta_i/eps_i),
  * the flow step sees the drag -(D U - G) per mixture volume with
  *   D_c = sum_i w_ic b_i / V_c,     G_c = sum_i w_ic (b_i U_i - J_i/dt) / V_c.
  * When U has not changed since it was sampled this is -J_i/dt exactly. When it has, the drag grows
@@ -45,7 +45,7 @@ static int order_force(cpl_t *cpl) {
   return status;
 }
 
-/* Of a particle: impulse received, inverse mass (0: fixed), and m_a dv if virtualMass asks for it.
+/* Of a particle: impulse received, inverse mass (0: fixed, or member of a block), and m_a dv if virtualMass asks for it.
  */
 enum { IMPULSE = 0, INVERSE_MASS = 3, ADDED = 4, IMPULSE_WIDTH = 7 };
 
@@ -66,8 +66,8 @@ static int order_impulse(cpl_t *cpl, const cpl_particles *p) {
   for (int i = 0; status == PART_OK && i < p->count; i++) {
     double *row = view.data + (size_t)width * (size_t)i;
     cpl_received(cpl, p, i, row + IMPULSE, width > ADDED ? row + ADDED : NULL);
-    const int fixed = p->kind && p->kind[(size_t)i * (size_t)p->kind_stride] == 1;
-    row[INVERSE_MASS] = fixed ? 0.0 : *cpl_at(p->inverse_mass, p->inverse_mass_stride, i);
+    const int64_t kind = p->kind ? p->kind[(size_t)i * (size_t)p->kind_stride] : CPL_FREE_SPHERE;
+    row[INVERSE_MASS] = kind == CPL_FIXED_SPHERE || kind == CPL_BLOCK_MEMBER ? 0.0 : *cpl_at(p->inverse_mass, p->inverse_mass_stride, i);
   }
   if (status == PART_OK)
     status = cpl_match_move(match, width, view.data, cpl->particle_work2.data);

@@ -216,6 +216,15 @@ int dem_block_state(dem_t *dem, int block, double position[3], double velocity[3
   return PART_OK;
 }
 
+int dem_block_count(const dem_t *dem) {
+  return dem->started ? dem->blocks : 0;
+}
+
+double dem_block_mass(const dem_t *dem, int block) {
+  const int known = block >= 0 && block < dem_block_count(dem);
+  return known && dem->block[block].members > 0 ? dem->block[block].mass : 0.0;
+}
+
 int dem_clump_state(dem_t *dem, int64_t number, dem_clump_report *report) {
   double found[21] = {0.0};
   if (!dem->started)

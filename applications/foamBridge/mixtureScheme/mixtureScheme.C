@@ -91,6 +91,15 @@ mixtureScheme::mixtureScheme
   makeSkew();
 }
 
+/* Solids cross no wall. */
+static void stopAtWalls(surfaceScalarField& field)
+{
+  forAll(field.boundaryField(), patchi)
+  {
+    if (!field.mesh().boundary()[patchi].coupled()) field.boundaryFieldRef()[patchi] = 0;
+  }
+}
+
 void mixtureScheme::update()
 {
   const scalar minEps = gMin(eps_);
@@ -111,7 +120,6 @@ void mixtureScheme::update()
   {
     pressureFactor_ = 1/rf_;
     Kf_ = path(volScalarField(D_*rEps))/rf_;
-    dragExplicit_ = path(volVectorField((D_*solids + G_)*rEps))/rf_;
     inertia_ = path(volVectorField((1 - eps_)*ap_*rEps))/rf_;
     jump_ = difference(0.5*sqr(rEps))*magSf/rf_;
   }
@@ -119,19 +127,16 @@ void mixtureScheme::update()
   {
     pressureFactor_ = dimensionedScalar("one", dimless, 1);
     Kf_ = path(D_);
-    dragExplicit_ = path(volVectorField(D_*solids + G_));
     inertia_ = path(volVectorField((1 - eps_)*ap_));
     jump_ = difference(rEps)*magSf;
   }
+  updateExplicitDrag();
   responds_ = model_ == modelA && gMax(answer_) > 0;
   if (responds_)
   {
     response_ = path(volScalarField(answer_*rEps))/rf_;
     relayf_ = path(volScalarField(relay_*rEps))/rf_;
-    forAll(response_.boundaryField(), patchi) // solids cross no wall
-    {
-      if (!mesh_.boundary()[patchi].coupled()) response_.boundaryFieldRef()[patchi] = 0;
-    }
+    stopAtWalls(response_);
   }
   driven_ = (inertia_ & along_) + pressureFactor_*(body_ & along_);
 
@@ -141,6 +146,23 @@ void mixtureScheme::update()
     return;
   }
   makeNormal(rEps);
+}
+
+void mixtureScheme::updateExplicitDrag()
+{
+  const volVectorField known(D_*((1 - eps_)*vp_) + G_);
+  if (model_ == modelA) dragExplicit_ = path(volVectorField(known/eps_))/rf_;
+  else dragExplicit_ = path(known);
+}
+
+tmp<surfaceScalarField> mixtureScheme::flux(const volVectorField& solids) const
+{
+  tmp<surfaceScalarField> tflux
+  (
+    model_ == modelA ? (path(volVectorField(solids/eps_)) & mesh_.Sf())/rf_ : path(solids) & mesh_.Sf()
+  );
+  stopAtWalls(tflux.ref());
+  return tflux;
 }
 
 tmp<volVectorField> mixtureScheme::interstitial(const volVectorField& j) const

@@ -154,6 +154,10 @@ particlePhase::particlePhase(const fvMesh& mesh, const fluid& fluid)
     ),
     couplingDict_
   );
+  if (params_.two_way && dem_block_count(dem_) > 0)
+  {
+    blocks_.reset(new blockAnswer(dem_, cpl_, mesh, view_, fluid.density, mag(fluid.gravity)));
+  }
   if (!params_.two_way) epsParticles_.writeOpt() = IOobject::AUTO_WRITE;
   if (params_.virtual_mass) acceleration_.writeOpt() = IOobject::AUTO_WRITE;
 }
@@ -333,7 +337,7 @@ void particlePhase::depositMotion
       row[d] = volume/dt*(view_.velocity[i*view_.velocity_stride + d] - before[i*stride + d]);
     }
     row[3] = row[4] = 0;
-    // A block answers as a whole, and so late (M.16)
+    // A block answers as a whole: blockAnswer
     const int64_t kind = view_.kind[i*view_.kind_stride];
     if (kind == DEM_FIXED || kind == DEM_BLOCK) continue;
     const double inverseMass = view_.inverse_mass[i*view_.inverse_mass_stride];
@@ -370,6 +374,39 @@ void particlePhase::source(scalar dt, volScalarField& D, volVectorField& G)
   G.correctBoundaryConditions();
 }
 
+vectorField particlePhase::volumeImpulse
+(
+  scalar dt, const vectorField& volume, const volVectorField& stress
+) const
+{
+  vectorField impulse(fluid_.density*dt*volume);
+  if (params_.viscous_stress)
+  {
+    const scalarField solid(mesh_.V().field()*(1 - epsParticles_.primitiveField()));
+    impulse += fluid_.density*dt*solid*stress.primitiveField();
+  }
+  return impulse;
+}
+
+bool particlePhase::foresee
+(
+  scalar dt, scalar part, const vectorField& drag, const vectorField& volume, const volVectorField& stress
+)
+{
+  const vectorField dragImpulse(fluid_.density*dt*drag);
+  const vectorField fromVolume(volumeImpulse(dt, volume, stress));
+  kick_.setSize(3*view_.count + 1);
+  checkStatus
+  (
+    cpl_foresee_kick
+    (
+      cpl_, &view_, data(dragImpulse), data(fromVolume), dt, part, kick_.data()
+    ),
+    "particlePhase::foresee"
+  );
+  return blocks_->correct(kick_.cdata());
+}
+
 void particlePhase::react
 (
   scalar dt, const volVectorField& pressure, const vectorField& drag, const vectorField& volume,
@@ -389,18 +426,14 @@ void particlePhase::react
     pressureAcceleration_[celli] += prediction*(now - pressureAcceleration_[celli]);
   }
   const vectorField dragImpulse(fluid_.density*dt*drag);
-  vectorField volumeImpulse(fluid_.density*dt*volume);
-  if (params_.viscous_stress)
-  {
-    volumeImpulse += fluid_.density*dt*V*(1 - epsParticles_.primitiveField())*stress.primitiveField();
-  }
+  const vectorField fromVolume(volumeImpulse(dt, volume, stress));
   const bool kicks = !still_ || params_.self_disturbance;
   kick_.setSize(3*view_.count + 1);
   checkStatus
   (
     cpl_reaction
     (
-      cpl_, &view_, data(dragImpulse), data(volumeImpulse), dt, kicks ? kick_.data() : nullptr
+      cpl_, &view_, data(dragImpulse), data(fromVolume), dt, kicks ? kick_.data() : nullptr
     ),
     "particlePhase::react"
   );
@@ -458,6 +491,7 @@ void particlePhase::report(Ostream& os) const
     cpl_budget b;
     if (cpl_get_budget(cpl_, &b) == PART_OK)
     {
+      if (blocks_.valid()) blocks_->report(os);
       os << nl << "Exchange: fluid gave (" << b.fluid[0] << ' ' << b.fluid[1] << ' ' << b.fluid[2]
          << ") N s, particles received (" << b.particles[0] << ' ' << b.particles[1] << ' '
          << b.particles[2] << ") N s, error " << b.error;

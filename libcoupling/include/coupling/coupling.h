@@ -73,7 +73,7 @@ typedef struct cpl_particles {
   const double *angular_velocity; int angular_velocity_stride; /* magnusLift, rotationalDrag only */
   const double *inverse_mass; int inverse_mass_stride; /* virtualMass: of m + m_a */
   const int64_t *id;          int id_stride;
-  const int64_t *kind;        int kind_stride; /* 0 free, 1 fixed, 2 member of a rigid block */
+  const int64_t *kind;        int kind_stride; /* NULL: free; else as dem.h: 0 free, 1 fixed, 2 block */
   double *fluid_su;           int fluid_su_stride; /* N, 3 components */
   double *fluid_sp;           int fluid_sp_stride; /* kg/s */
   const double *fluid_impulse; int fluid_impulse_stride; /* N s received over the last advance */
@@ -190,7 +190,9 @@ void cpl_overfull_of(const cpl_t *cpl, long long *cells, double *volume);
 int64_t cpl_outside_range(const cpl_t *cpl);
 /* Collective. D and G of the cells for a flow step dt, from the impulses that the particles really
  * received over their own steps, implicit in the new fluid velocity: a particle that would follow
- * the fluid within dt takes at most its momentum m du (factor (1 - exp(-Sp dt/m)) m/dt). */
+ * the fluid within dt takes at most its momentum m du (factor (1 - exp(-Sp dt/m)) m/dt). Members of a
+ * rigid block count as fixed: what the block answers is for the caller to find, who knows its mass
+ * (cpl_foresee_kick). */
 int cpl_momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells *cells, double dt);
 /* Collective. After the flow step: drag_reaction[cells][3] and volume_reaction[cells][3] (N s) are
  * what the fluid really gave up in each cell as drag, and through pressure and stress. The first is
@@ -200,6 +202,11 @@ int cpl_momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells *c
  * particles must have no reaction (ERR_ARGUMENT). */
 int cpl_reaction(cpl_t *cpl, const cpl_particles *particles, const double *drag_reaction,
                  const double *volume_reaction, double dt, double *kick);
+
+/* Collective. The kick that cpl_reaction would give if the step ended here, after the first part (0 to 1] of dt,
+ * with the reactions so far. Changes nothing: for those who iterate the flow step with the particles' answer. */
+int cpl_foresee_kick(cpl_t *cpl, const cpl_particles *particles, const double *drag_reaction,
+                     const double *volume_reaction, double dt, double part, double *kick);
 
 typedef struct cpl_budget {
   double fluid[3];     /* N s given up by the fluid in the last step (reactions + buoyancy) */

@@ -372,6 +372,9 @@ int dem_get_impact(dem_t *dem, int material, dem_impact *impact);
 
 /* Position (m, of the mean of the members, unwrapped) and velocity (m/s) of a block. Collective. */
 int dem_block_state(dem_t *dem, int block, double position[3], double velocity[3]);
+/* After dem_start. Blocks have the numbers below the count; one without members has no mass. */
+int dem_block_count(const dem_t *dem);
+double dem_block_mass(const dem_t *dem, int block); /* kg */
 
 /* State of a clump, on every rank; ERR_RANGE: there is none of this number. Collective. */
 typedef struct dem_clump_report {
