@@ -17,23 +17,18 @@ struct faceSide
   vector drag(scalar phi, const vector& S) const { return (D*phi - (known & S))*arm; }
 };
 
-/* To the cell on this side of a face: the drag of its own particles, and its share of the rest and of
- * what was relayed. */
+/* To the cell on this side of a face: the drag of its own particles, and its share of the rest. */
 static void give
 (
-  const faceSide& mine, const faceSide& other, scalar phi, const vector& S, scalar lacking, scalar relayed,
-  vector& drag, vector& volume, vector& handed
+  const faceSide& mine, const faceSide& other, scalar phi, const vector& S, scalar lacking, vector& drag,
+  vector& volume
 )
 {
   const vector own(mine.drag(phi, S));
   const vector rest(lacking*(mine.arm + other.arm) - own - other.drag(phi, S));
   const scalar solids = mine.solids + other.solids;
   drag += own;
-  if (solids > VSMALL)
-  {
-    volume += mine.solids/solids*rest;
-    handed += mine.solids/solids*relayed*(mine.arm + other.arm);
-  }
+  if (solids > VSMALL) volume += mine.solids/solids*rest;
 }
 
 /* What the particles get, face by face. The fluid lacks, of the momentum f d of a face, the drag it
@@ -46,17 +41,14 @@ void mixtureScheme::reaction
   const surfaceScalarField& phi,
   const surfaceScalarField& pressureForce,
   const volVectorField& damped,
-  const surfaceScalarField& relayed,
   vectorField& drag,
-  vectorField& volume,
-  vectorField& handed
+  vectorField& volume
 ) const
 {
   const surfaceScalarField lacking
   (
     (1 - pressureFactor_)*(pressureForce + (body_ & mesh_.Sf()))
   - ((dragExplicit_ & mesh_.Sf()) - Kf_*phi)
-  - relayed
   );
   const volVectorField known(D_*(1 - eps_)*vp_ + G_);
   const volScalarField ratio((1 - eps_)/eps_);
@@ -69,8 +61,6 @@ void mixtureScheme::reaction
   // that of the cells. So of the pressure it causes, the solids get their volume's share by cells.
   volume.setSize(drag.size());
   volume = Zero;
-  handed.setSize(drag.size());
-  handed = Zero;
   if (model_ == modelA) volume -= (1 - eps_.primitiveField())*mesh_.V()*body_.value();
   const surfaceScalarField& w = mesh_.weights();
   forAll(nei, facei)
@@ -78,14 +68,13 @@ void mixtureScheme::reaction
     const label P = own[facei], N = nei[facei];
     const faceSide sideP = {armOwn_[facei], D_[P], known[P], (1 - w[facei])*ratio[P]};
     const faceSide sideN = {armNei_[facei], D_[N], known[N], w[facei]*ratio[N]};
-    give(sideP, sideN, phi[facei], Sf[facei], lacking[facei], relayed[facei], drag[P], volume[P], handed[P]);
-    give(sideN, sideP, phi[facei], Sf[facei], lacking[facei], relayed[facei], drag[N], volume[N], handed[N]);
+    give(sideP, sideN, phi[facei], Sf[facei], lacking[facei], drag[P], volume[P]);
+    give(sideN, sideP, phi[facei], Sf[facei], lacking[facei], drag[N], volume[N]);
   }
   forAll(lacking.boundaryField(), patchi)
   {
     const fvPatch& patch = mesh_.boundary()[patchi];
     const fvsPatchScalarField& f = lacking.boundaryField()[patchi];
-    const fvsPatchScalarField& relayedb = relayed.boundaryField()[patchi];
     const fvsPatchScalarField& phib = phi.boundaryField()[patchi];
     const vectorField Sb(patch.Sf());
     const fvsPatchVectorField& arm = armOwn_.boundaryField()[patchi];
@@ -98,7 +87,6 @@ void mixtureScheme::reaction
         const vector own(faceSide{arm[i], D_[P], known[P], 0}.drag(phib[i], Sb[i]));
         drag[P] += own;
         volume[P] += f[i]*arm[i] - own;
-        handed[P] += relayedb[i]*arm[i];
       }
       continue;
     }
@@ -112,7 +100,7 @@ void mixtureScheme::reaction
       const label P = cells[i];
       const faceSide sideP = {arm[i], D_[P], known[P], (1 - wb[i])*ratio[P]};
       const faceSide sideN = {armN[i], DN[i], knownN[i], wb[i]*ratioN[i]};
-      give(sideP, sideN, phib[i], Sb[i], f[i], relayedb[i], drag[P], volume[P], handed[P]);
+      give(sideP, sideN, phib[i], Sb[i], f[i], drag[P], volume[P]);
     }
   }
 }

@@ -50,7 +50,6 @@ mixtureScheme::mixtureScheme
   const volVectorField& vp,
   const volVectorField& ap,
   const volScalarField& answer,
-  const volScalarField& relay,
   const volScalarField& D,
   const volVectorField& G,
   const dimensionedVector& body
@@ -62,7 +61,6 @@ mixtureScheme::mixtureScheme
   vp_(vp),
   ap_(ap),
   answer_(answer),
-  relay_(relay),
   D_(D),
   G_(G),
   body_(body),
@@ -72,7 +70,6 @@ mixtureScheme::mixtureScheme
   dragExplicit_(faceVector(mesh, "dragExplicit", dimAcceleration)),
   inertia_(faceVector(mesh, "solidInertia", dimAcceleration)),
   response_(faceScalar(mesh, "response", dimless)),
-  relayf_(faceScalar(mesh, "relay", dimless)),
   driven_(faceScalar(mesh, "driven", dimVolume/sqr(dimTime))),
   vpf_(faceVector(mesh, "vpf", dimVelocity)),
   m_(faceVector(mesh, "porosityNormal", dimless)),
@@ -135,7 +132,6 @@ void mixtureScheme::update()
   if (responds_)
   {
     response_ = path(volScalarField(answer_*rEps))/rf_;
-    relayf_ = path(volScalarField(relay_*rEps))/rf_;
     stopAtWalls(response_);
   }
   driven_ = (inertia_ & along_) + pressureFactor_*(body_ & along_);

@@ -300,8 +300,7 @@ void particlePhase::accelerate(const volVectorField& U, const tmp<volVectorField
 
 void particlePhase::advance
 (
-  scalar dt, volScalarField& eps, volVectorField& vp, volVectorField& ap, volScalarField& answer,
-  volScalarField& relay
+  scalar dt, volScalarField& eps, volVectorField& vp, volVectorField& ap, volScalarField& answer
 )
 {
   system_.advance(dt);
@@ -312,53 +311,42 @@ void particlePhase::advance
   }
   moved_ = !still_; // those that stand still come here after a write or restart, in a new order
   deposit(eps, vp);
-  if (params_.two_way) depositMotion(dt, ap, answer, relay);
+  if (params_.two_way) depositMotion(dt, ap, answer);
 }
 
-/* Mean acceleration of the solids over the step, weighted by volume like their velocity, and what they
- * will do about the pressure of the flow step that follows: how far they go, and how much of it their
- * drag hands on to the fluid (M.16). */
-void particlePhase::depositMotion
-(
-  scalar dt, volVectorField& ap, volScalarField& answer, volScalarField& relay
-)
+/* Mean acceleration of the solids over the step, weighted by volume like their velocity, and how far they
+ * will go with the pressure of the flow step that follows (M.16). */
+void particlePhase::depositMotion(scalar dt, volVectorField& ap, volScalarField& answer)
 {
   part_store* s = dem_store(dem_);
   const double* before = part_field_double(s, DEM_FIELD_VELOCITY_BEFORE);
   const int stride = part_field_stride(s, DEM_FIELD_VELOCITY_BEFORE);
-  List<double> motion(5*view_.count);
+  List<double> motion(4*view_.count);
   for (int i = 0; i < view_.count; ++i)
   {
-    double* row = &motion[5*i];
+    double* row = &motion[4*i];
     const double r = view_.radius[i*view_.radius_stride];
     const double volume = 4.0/3.0*constant::mathematical::pi*r*r*r;
     for (int d = 0; d < 3; ++d)
     {
       row[d] = volume/dt*(view_.velocity[i*view_.velocity_stride + d] - before[i*stride + d]);
     }
-    row[3] = row[4] = 0;
     // A block answers as a whole: blockAnswer
     const int64_t kind = view_.kind[i*view_.kind_stride];
-    if (kind == DEM_FIXED || kind == DEM_BLOCK) continue;
-    const double inverseMass = view_.inverse_mass[i*view_.inverse_mass_stride];
-    const double x = view_.fluid_sp[i*view_.fluid_sp_stride]*dt*inverseMass;
-    const double kept = x > 0 ? -std::expm1(-x)/x : 1; // of a force over dt, what the particle keeps
-    row[3] = fluid_.density*sqr(volume)*inverseMass;
-    row[4] = volume*(1 - kept);
+    const bool answers = kind != DEM_FIXED && kind != DEM_BLOCK;
+    row[3] = answers ? fluid_.density*sqr(volume)*view_.inverse_mass[i*view_.inverse_mass_stride] : 0;
   }
-  List<double> sums(5*mesh_.nCells(), 0.0);
-  checkStatus(cpl_deposit(cpl_, 5, motion.cdata(), sums.data()), "particlePhase::advance");
+  List<double> sums(4*mesh_.nCells(), 0.0);
+  checkStatus(cpl_deposit(cpl_, 4, motion.cdata(), sums.data()), "particlePhase::advance");
   forAll(mesh_.V(), celli)
   {
     const scalar solid = mesh_.V()[celli]*(1 - epsParticles_[celli]);
-    const double* sum = &sums[5*celli];
+    const double* sum = &sums[4*celli];
     ap[celli] = solid > SMALL*mesh_.V()[celli] ? vector(sum[0], sum[1], sum[2])/solid : vector(Zero);
     answer[celli] = sum[3]/mesh_.V()[celli];
-    relay[celli] = sum[4]/mesh_.V()[celli];
   }
   ap.correctBoundaryConditions();
   answer.correctBoundaryConditions();
-  relay.correctBoundaryConditions();
 }
 
 void particlePhase::source(scalar dt, volScalarField& D, volVectorField& G)
@@ -410,7 +398,7 @@ bool particlePhase::foresee
 void particlePhase::react
 (
   scalar dt, const volVectorField& pressure, const vectorField& drag, const vectorField& volume,
-  const vectorField& handed, const volVectorField& stress, scalar prediction
+  const volVectorField& stress, scalar prediction
 )
 {
   if (!params_.two_way)
@@ -422,7 +410,7 @@ void particlePhase::react
   forAll(volume, celli)
   {
     const scalar solid = V[celli]*(1 - epsParticles_[celli]);
-    const vector now = solid > 1e-6*V[celli] ? (volume[celli] + handed[celli])/solid : pressure[celli];
+    const vector now = solid > 1e-6*V[celli] ? volume[celli]/solid : pressure[celli];
     pressureAcceleration_[celli] += prediction*(now - pressureAcceleration_[celli]);
   }
   const vectorField dragImpulse(fluid_.density*dt*drag);

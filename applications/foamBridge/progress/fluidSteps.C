@@ -91,7 +91,7 @@ exchangedImpulse::exchangedImpulse(const fvMesh& mesh)
 void exchangedImpulse::add
 (
   const fluidSteps& steps, const vectorField& drag, const vectorField& volume,
-  const vectorField& handed, const volVectorField& pressure, const volVectorField& stress
+  const volVectorField& pressure, const volVectorField& stress
 )
 {
   if (steps.first())
@@ -99,17 +99,14 @@ void exchangedImpulse::add
     count_ = 0;
     drag_.setSize(drag.size());
     volume_.setSize(volume.size());
-    handed_.setSize(handed.size());
     drag_ = Zero;
     volume_ = Zero;
-    handed_ = Zero;
     pressure_.primitiveFieldRef() = Zero;
     stress_.primitiveFieldRef() = Zero;
   }
   const scalar share = 1/scalar(steps.number());
   drag_ += share*drag;
   volume_ += share*volume;
-  handed_ += share*handed;
   pressure_.primitiveFieldRef() += share*pressure.primitiveField();
   stress_.primitiveFieldRef() += share*stress.primitiveField();
   if (++count_ == steps.number())

@@ -73,7 +73,7 @@ int main(int argc, char* argv[])
       {
         stage.next("particles and exchange");
         solids.begin(dt, U, stress);     // fluid force on the particles
-        solids.advance(dt, eps, vp, ap, answer, relay); // contact steps; where the particles are
+        solids.advance(dt, eps, vp, ap, answer); // contact steps; where the particles are
         solids.source(dt, D, G);         // their drag on the fluid
         stage.next("face coefficients");
         scheme.update();
@@ -85,7 +85,7 @@ int main(int argc, char* argv[])
     const scalar prediction = scheme.responds() ? 0.2 : 1; // M.16
     solids.react
     (
-      dt, given.pressure(), given.drag(), given.volume(), given.handed(), given.stress(), prediction
+      dt, given.pressure(), given.drag(), given.volume(), given.stress(), prediction
     );
     #include "endAnswer.H"
     p = p_rgh + (g & mesh.C());

@@ -68,7 +68,7 @@ int main(int argc, char* argv[])
   );
 
   prescribedSolids solids(mesh);
-  mixtureScheme scheme(mesh, model, eps, vp, ap, answer, relay, D, G, bodyAcceleration);
+  mixtureScheme scheme(mesh, model, eps, vp, ap, answer, D, G, bodyAcceleration);
   auto updateSolids = [&]()
   {
     solids.update(runTime.value(), nu.value(), j, eps, vp, D, G);
@@ -85,7 +85,7 @@ int main(int argc, char* argv[])
   const scalar volume = gSum(mesh.V());
   const scalarField& V = mesh.V();
   vector gained(Zero), given(Zero), pressed(Zero), taken(Zero);
-  vectorField drag(mesh.nCells()), ofVolume(mesh.nCells()), handed;
+  vectorField drag(mesh.nCells()), ofVolume(mesh.nCells());
 
   while (runTime.loop())
   {
@@ -98,10 +98,12 @@ int main(int argc, char* argv[])
         #include "pEqn.H"
       }
     }
+    U = scheme.interstitial(j);
+    U.correctBoundaryConditions();
     p = p_rgh + (g & mesh.C());
 
     const scalar dt = runTime.deltaTValue();
-    scheme.reaction(phi, pressureForce, damped, 0*pressureForce, drag, ofVolume, handed);
+    scheme.reaction(phi, pressureForce, damped, drag, ofVolume);
     gained += total(V*(j.primitiveField() - j.oldTime().primitiveField()));
     // By cells, also where the faces' eps is harmonic: reaction() gives the solids their cells' share
     const scalarField driven(model == mixtureScheme::modelA ? scalarField(V*eps) : scalarField(V));
