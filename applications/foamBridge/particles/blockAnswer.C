@@ -224,7 +224,7 @@ bool blockAnswer::correct(const double* kick)
 
 void blockAnswer::report(Ostream& os) const
 {
-  os << nl << "Blocks: velocity found in " << most_ << " pressure correctors, residual " << worst_;
+  os << nl << "Blocks: velocity in " << most_ << " pressure correctors, residual " << worst_;
 }
 
 } // namespace Foam
