@@ -7,7 +7,7 @@
 #include "param_rows.h"
 #include "points_type.h"
 
-static const char *const forms[] = {"combined", "gradient", NULL};
+static const char *const forms[] = {"combined", "gradient", "pairwise", NULL};
 static const char *const porosities[] = {"exact", "centre", NULL};
 
 static const part_param rows[] = {
@@ -52,6 +52,9 @@ static int create_local(cpl_points_t *p, int planes, const cpl_points_plane *pla
     PART_TRY(part_timers_stage(p->timers, names[k], &p->stage[k]));
   PART_TRY(CPL_RESERVE(p->bounds, 6 * (size_t)p->size));
   PART_TRY(points_wake_make(p));
+  if (p->params.form == CPL_POINTS_PAIRWISE && planes > 0)
+    return part_fail(PART_ERR_ARGUMENT, "coupling: form pairwise has no planes at which spheres are mirrored: a force "
+                                        "between a point and an image would be none on the sphere");
   return points_check_planes(p, planes, plane);
 }
 
@@ -120,6 +123,10 @@ void cpl_points_destroy(cpl_points_t *p) {
   CPL_FREE(p->work2);
   CPL_FREE(p->id_work);
   CPL_FREE(p->wake);
+  CPL_FREE(p->pressure);
+  CPL_FREE(p->paired);
+  CPL_FREE(p->carried);
+  CPL_FREE(p->place_at);
   if (p->comm != MPI_COMM_NULL)
     MPI_Comm_free(&p->comm);
   free(p);
@@ -189,6 +196,12 @@ static int locate(cpl_points_t *p, const cpl_particles *particles, const cpl_flu
   PART_TRY(part_agree(p->comm, points_make_visits(p, particles)));
   PART_TRY(points_send_visits(p));
   PART_TRY(part_agree(p->comm, points_make_pairs(p, fluid)));
+  if (p->params.form == CPL_POINTS_PAIRWISE) {
+    PART_TRY(part_agree(p->comm, CPL_RESERVE(p->place_at, 3 * (size_t)p->points)));
+    for (int a = 0; a < p->points; a++)
+      memcpy(p->place_at.data + 3 * (size_t)a, points_at(fluid->position, fluid->position_stride, a),
+             3 * sizeof(double));
+  }
   p->located = 1;
   return PART_OK;
 }

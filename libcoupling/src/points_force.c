@@ -3,6 +3,7 @@
  *
  *   combined   F = beta/eps (u - v) - rho V g            (Markauskas et al. 2017, eq. 23)
  *   gradient   F = beta (u - v) + V (-grad p + div tau)  (Robinson et al. 2014, eq. 23-25)
+ *   pairwise   F = sum_a f_ia, points_pairwise.c          (Gao and Sun 2011, eq. 36-37)
  *
  * u, eps and -grad p + div tau = rho_bar times the points' acceleration are normalised kernel sums; with them
  * a sphere that is only partly in the fluid (at a free surface) gets its wet share of the force (P.6). */
@@ -19,11 +20,13 @@ static double norm3(const double *v) {
 static const double WET = 0.9;
 
 /* ---- sample --------------------------------------------------------------------------------- */
-/* Columns of the sums: S, eps, u, then theta. */
+/* Columns of the sums: S, eps, u, then theta or p. */
 enum { SUM = 0, EPS, U, MORE = 5, MOST = 8 };
 
 static int width(const cpl_points_t *p) {
-  return MORE + (p->params.form == CPL_POINTS_GRADIENT ? 3 : 0);
+  return MORE + (p->params.form == CPL_POINTS_GRADIENT   ? 3
+                 : p->params.form == CPL_POINTS_PAIRWISE ? 1
+                                                         : 0);
 }
 
 static void point_row(const cpl_points_t *p, const cpl_fluid_points *fluid, int a, double *row) {
@@ -33,6 +36,8 @@ static void point_row(const cpl_points_t *p, const cpl_fluid_points *fluid, int 
   row[EPS] = v * p->eps.data[a];
   for (int c = 0; c < 3; c++)
     row[U + c] = v * u[c];
+  if (p->params.form == CPL_POINTS_PAIRWISE)
+    row[MORE] = v * *points_at(fluid->pressure, fluid->pressure_stride, a);
   if (p->params.form == CPL_POINTS_GRADIENT) {
     const double m = v * *points_at(fluid->density, fluid->density_stride, a);
     const double *rate = points_at(fluid->acceleration, fluid->acceleration_stride, a);
@@ -110,6 +115,8 @@ static int check_force(const cpl_points_t *p, const cpl_particles *particles,
   if (p->params.form == CPL_POINTS_GRADIENT && (!fluid->density || !fluid->acceleration) && p->points > 0)
     return part_fail(PART_ERR_ARGUMENT,
                      "cpl_points_force: form gradient needs density and acceleration of the points");
+  if (p->params.form == CPL_POINTS_PAIRWISE && !fluid->pressure && p->points > 0)
+    return part_fail(PART_ERR_ARGUMENT, "cpl_points_force: form pairwise needs the pressure of the points");
   if (p->params.self_disturbance && !particles->memory && p->count > 0)
     return part_fail(PART_ERR_ARGUMENT,
                      "coupling: selfDisturbance is on, but the particles have no memory");
@@ -147,7 +154,7 @@ static double drag_of(cpl_points_t *p, const cpl_particles *particles, int i, do
 }
 
 static int particle_force(cpl_points_t *p, cpl_particles *particles, int i, const double *row, double mean) {
-  const int gradient = p->params.form == CPL_POINTS_GRADIENT;
+  const int gradient = p->params.form == CPL_POINTS_GRADIENT, pairs = p->params.form == CPL_POINTS_PAIRWISE;
   double *su = particles->fluid_su + (size_t)i * (size_t)particles->fluid_su_stride;
   double *sp = particles->fluid_sp + (size_t)i * (size_t)particles->fluid_sp_stride;
   double *u = p->velocity.data + 3 * (size_t)i, slip = 0.0;
@@ -157,6 +164,8 @@ static int particle_force(cpl_points_t *p, cpl_particles *particles, int i, cons
   p->wet.data[i] = 0.0;
   p->sampled_eps.data[i] = 1.0;
   u[0] = u[1] = u[2] = 0.0;
+  if (pairs)
+    p->pressure.data[i] = sum > 0.0 ? row[MORE] / sum : 0.0;
   if (!(sum > 0.0))
     return PART_OK; /* out of the fluid */
   const double eps = p->sampled_eps.data[i] = row[EPS] / sum;
@@ -169,12 +178,14 @@ static int particle_force(cpl_points_t *p, cpl_particles *particles, int i, cons
   for (int c = 0; c < 3; c++) {
     slip += (u[c] - v[c]) * (u[c] - v[c]);
   }
-  const double beta = drag_of(p, particles, i, sqrt(slip), mean) / (gradient ? 1.0 : eps);
+  const double beta = drag_of(p, particles, i, sqrt(slip), mean) / (gradient || pairs ? 1.0 : eps);
   *sp = wet * beta;
   for (int c = 0; c < 3; c++) {
-    const double rest = gradient ? row[MORE + c] / sum - p->fluid.density * p->params.still[c]
+    const double resting = -p->fluid.density * p->params.still[c];
+    const double rest = gradient ? row[MORE + c] / sum + resting
+                        : pairs  ? resting
                                  : -p->fluid.density * p->fluid.gravity[c];
-    su[c] = wet * (beta * u[c] + p->volume.data[i] * rest);
+    su[c] = wet * ((pairs ? 0.0 : beta * u[c]) + p->volume.data[i] * rest);
   }
   p->drag_rate = fmax(p->drag_rate, *sp * (1.0 - eps) / (p->volume.data[i] * p->fluid.density * eps));
   return isfinite(*sp + su[0] + su[1] + su[2]) ? PART_OK : numeric(p, particles, i);
@@ -184,6 +195,8 @@ static int reserve_force(cpl_points_t *p) {
   PART_TRY(CPL_RESERVE(p->sum, p->count));
   PART_TRY(CPL_RESERVE(p->sampled_eps, p->count));
   PART_TRY(CPL_RESERVE(p->velocity, 3 * (size_t)p->count));
+  if (p->params.form == CPL_POINTS_PAIRWISE)
+    PART_TRY(CPL_RESERVE(p->pressure, p->count));
   return CPL_RESERVE(p->wet, p->count);
 }
 
@@ -207,6 +220,8 @@ static int force(cpl_points_t *p, cpl_particles *particles, const cpl_fluid_poin
     status = particle_force(p, particles, i, p->work2.data + (size_t)i * n, mean.data ? mean.data[i] : 0.0);
   CPL_FREE(mean);
   PART_TRY(part_agree(p->comm, status));
+  if (p->params.form == CPL_POINTS_PAIRWISE)
+    PART_TRY(points_pairwise_force(p, particles, fluid));
   p->force_count = p->count;
   return PART_OK;
 }
@@ -272,6 +287,8 @@ static int order_impulses(cpl_points_t *p, const cpl_particles *particles, doubl
     for (int c = 0; c < 3; c++) {
       j[c] += lift * p->params.still[c];
       p->budget.particles[c] += j[c];
+      if (p->params.form == CPL_POINTS_PAIRWISE)
+        j[c] -= dt * p->paired.data[3 * i + c]; /* which goes from pair to pair */
       j[c] = p->sum.data[i] > 0.0 ? j[c] / (p->sum.data[i] * dt) : 0.0;
     }
   }
@@ -331,6 +348,8 @@ static int reaction(cpl_points_t *p, const cpl_particles *particles, cpl_fluid_p
   PART_TRY(order_impulses(p, particles, dt));
   PART_TRY(points_forward(p, 3, p->work2.data, &received));
   spread(p, received, fluid);
+  if (p->params.form == CPL_POINTS_PAIRWISE)
+    points_pairwise_react(p, fluid);
   if (p->params.self_disturbance)
     points_wake_remember(p, particles, dt);
   return close_budget(p, fluid, dt);

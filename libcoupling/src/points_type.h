@@ -63,6 +63,8 @@ struct cpl_points_t {
   double drag_rate; /* 1/s, largest of own particles */
   CPL_ARRAY(double) sum; /* [count] S_i */
   CPL_ARRAY(double) sampled_eps, velocity, wet;
+  /* form pairwise: p at each particle, sum of its pair forces; what visits carry; place of each point as located */
+  CPL_ARRAY(double) pressure, paired, carried, place_at;
   CPL_ARRAY(double) work, work2;
   CPL_ARRAY(int64_t) id_work;
   cpl_budget budget;
@@ -88,6 +90,10 @@ int points_forward(cpl_points_t *p, int n, const double *value, double **receive
 int points_back(cpl_points_t *p, int n, double *received, double *value);
 /* points_gradient.c: gradient of eps into the view, after eps. Local. */
 void points_eps_gradient(const cpl_points_t *p, cpl_fluid_points *fluid);
+/* points_pairwise.c. Collective, after Sp, wet, S and p of each particle: adds its pair forces to Su. */
+int points_pairwise_force(cpl_points_t *p, const cpl_particles *particles, const cpl_fluid_points *fluid);
+/* Local. Their opposites to the points, whose velocity and pressure are as they were. */
+void points_pairwise_react(const cpl_points_t *p, cpl_fluid_points *fluid);
 /* points_wake.c */
 int points_wake_make(cpl_points_t *p);
 /* u[3], the velocity at particle i, without its own disturbance; after its eps. */

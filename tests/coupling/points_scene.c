@@ -89,6 +89,8 @@ void points_scene_points(points_scene *s, int count, const double *rows, int shi
                                      .density_stride = POINT_WIDTH,
                                      .acceleration = r + PA,
                                      .acceleration_stride = POINT_WIDTH,
+                                     .pressure = r + PP,
+                                     .pressure_stride = POINT_WIDTH,
                                      .eps = r + PEPS,
                                      .eps_stride = POINT_WIDTH,
                                      .force = r + PF,

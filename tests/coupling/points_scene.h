@@ -6,7 +6,7 @@
 #include <stdint.h>
 #include "coupling/points.h"
 
-enum { PX = 0, PU = 3, PV = 6, PRHO = 7, PA = 8, PEPS = 11, PF = 12, POINT_WIDTH = 16 };
+enum { PX = 0, PU = 3, PV = 6, PRHO = 7, PA = 8, PEPS = 11, PF = 12, PP = 15, POINT_WIDTH = 16 };
 enum { SX = 0, SR = 3, SV = 4, SIM = 7, SSU = 8, SSP = 11, SJ = 12, SPHERE_WIDTH = 16 };
 
 typedef struct points_scene {

@@ -67,7 +67,8 @@ void fluidPoints::createExchange()
   kernel_.kernel = sphParams_.kernel;
   kernel_.length = params_.coupling_length*sphParams_.smoothing_length;
   kernel_.sph = sph_;
-  const DynamicList<cpl_points_plane> planes(mirrors(walls_));
+  DynamicList<cpl_points_plane> planes(mirrors(walls_));
+  if (params_.form == CPL_POINTS_PAIRWISE) planes.clear(); // Gamma at walls
   mirrored_ = planes.size();
   cpl_points_kernel kernel;
   kernel.support = sph_kernel_support(kernel_.kernel)*kernel_.length;
@@ -153,6 +154,8 @@ void fluidPoints::look()
   fluidView_.density_stride = fluidView_.eps_stride = fluid_.mass_stride;
   fluidView_.acceleration = fluid_.acceleration;
   fluidView_.acceleration_stride = fluid_.rate_stride;
+  fluidView_.pressure = fluid_.pressure;
+  fluidView_.pressure_stride = fluid_.xv_stride;
   fluidView_.eps = fluid_.eps;
   // eps on ways that are not the fluid's (S.11, S.19)
   fluidView_.eps_gradient = sphParams_.xsph > 0 || sphParams_.shifting > 0 ? fluid_.eps_gradient : nullptr;

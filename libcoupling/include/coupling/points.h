@@ -28,6 +28,7 @@ typedef struct cpl_fluid_points {
   const double *volume;       int volume_stride;       /* m3, of fluid and solids */
   const double *density;      int density_stride;      /* kg/m3, superficial; form gradient only */
   const double *acceleration; int acceleration_stride; /* m/s2, of pressure and viscosity; form gradient only */
+  const double *pressure;     int pressure_stride;     /* Pa; form pairwise only */
   double *eps;                int eps_stride;          /* out of cpl_points_porosity */
   double *eps_gradient;       int eps_gradient_stride; /* 1/m, out of cpl_points_porosity; NULL: not wanted */
   double *force;              int force_stride;        /* N, out of cpl_points_reaction */
@@ -50,7 +51,7 @@ typedef struct cpl_points_plane {
   double point[3], normal[3]; /* m; 1, to the fluid */
 } cpl_points_plane;
 
-typedef enum { CPL_POINTS_COMBINED, CPL_POINTS_GRADIENT } cpl_points_form;
+typedef enum { CPL_POINTS_COMBINED, CPL_POINTS_GRADIENT, CPL_POINTS_PAIRWISE } cpl_points_form;
 typedef enum { CPL_POINTS_EXACT, CPL_POINTS_CENTRE } cpl_points_porosity_method;
 typedef struct cpl_points_params {
   int form, porosity;
@@ -67,7 +68,7 @@ extern const part_param_table cpl_points_table;
 
 typedef struct cpl_points_t cpl_points_t;
 
-/* Collective. Duplicates comm, copies all else (the kernel's context must stay). fluid->gravity: all that
+/* Collective. Form pairwise has no planes (ERR_ARGUMENT). Duplicates comm, copies all else (the kernel's context must stay). fluid->gravity: all that
  * drives the fluid; its reaction is the buoyancy of form combined. ERR_RANGE, ERR_ARGUMENT: an entry, or a
  * plane that is not as above. */
 int cpl_points_create(MPI_Comm comm, const part_box *box, const cpl_points_params *params,
