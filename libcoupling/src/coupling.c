@@ -123,6 +123,8 @@ void cpl_destroy(cpl_t *cpl) {
   CPL_FREE(cpl->cell_told);
   CPL_FREE(cpl->inverse_eps);
   CPL_FREE(cpl->reps);
+  CPL_FREE(cpl->cell_flow);
+  CPL_FREE(cpl->resampled);
   CPL_FREE(cpl->mean_d);
   CPL_FREE(cpl->spread);
   CPL_FREE(cpl->disturbance);

@@ -54,6 +54,8 @@ struct cpl_t {
   CPL_ARRAY(double) reps;         /* [cells] 1/eps_c, model B only */
   CPL_ARRAY(double) eps;          /* [count] sampled */
   CPL_ARRAY(double) superficial;  /* [count][3] sampled */
+  CPL_ARRAY(double) cell_flow;    /* [cells][3] what superficial was sampled from; unresolvedDrag off */
+  CPL_ARRAY(double) resampled;    /* [count][3] that, where the particles are after the advance */
   CPL_ARRAY(double) curl;         /* [count][3] sampled, 1/s; lift, turning */
   CPL_ARRAY(double) acceleration; /* [count][3] sampled Du/Dt, m/s2; virtualMass */
   CPL_ARRAY(double) turning;      /* [count][4] see cpl_turning */

@@ -146,6 +146,8 @@ static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_ce
     status = CPL_RESERVE(cpl->superficial, 3 * count);
   if (status == PART_OK)
     status = CPL_RESERVE(cpl->constant, 3 * count);
+  if (status == PART_OK && !cpl->params.unresolved_drag)
+    status = CPL_RESERVE(cpl->cell_flow, 3 * (size_t)cpl->mesh.cells);
   if (status == PART_OK && curl)
     status = CPL_RESERVE(cpl->curl, 3 * count);
   if (status == PART_OK && cpl->params.virtual_mass)
@@ -154,6 +156,9 @@ static int sample_fluid(cpl_t *cpl, const cpl_particles *particles, const cpl_ce
     status = CPL_RESERVE(cpl->inverse_eps, count);
   PART_TRY(cpl_agree(cpl, status));
   gather_cells(cpl, cells, (size_t)n);
+  if (!cpl->params.unresolved_drag && cpl->mesh.cells > 0)
+    memcpy(cpl->cell_flow.data, cells->superficial,
+           3 * (size_t)cpl->mesh.cells * sizeof *cells->superficial);
   PART_TRY(cpl_gather(cpl, n, cpl->cell_work.data, cpl->particle_work.data));
   scatter_particles(cpl, (size_t)n);
   if (uses_sizes(cpl))

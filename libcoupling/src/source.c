@@ -9,6 +9,12 @@
  * by b_i dU, what a particle takes that relaxes towards the new velocity: never more than m_i du.
  * The difference between what the fluid then really gave and J_i is the particle's kick.
  *
+ * In a cell it is not: there b_i (U_c - U_i) comes to it, a drag on motion smaller than the weights
+ * of a sphere, which particles do not get before their kicks. It acts like a viscosity, b per
+ * volume times the variance of the weights. Without unresolvedDrag it is taken out, with the flow
+ * that was sampled and the weights of now:
+ *   G_c = sum_i w_ic [b_i (U_i + U_c - sum_c w_ic U_c) - J_i/dt] / V_c.
+ *
  * J_i holds the extra forces too (lift, virtual mass), so G gives them back to the cells.
  *
  * Model B: the momentum of a sphere goes to its cells as w_ic/eps_c, see forces.c; with
@@ -45,7 +51,8 @@ static int order_force(cpl_t *cpl) {
   return status;
 }
 
-/* Of a particle: impulse received, inverse mass (0: fixed, or member of a block), and m_a dv if virtualMass asks for it.
+/* Of a particle: impulse received, inverse mass (0: fixed, or member of a block), and m_a dv if
+ * virtualMass asks for it.
  */
 enum { IMPULSE = 0, INVERSE_MASS = 3, ADDED = 4, IMPULSE_WIDTH = 7 };
 
@@ -67,7 +74,9 @@ static int order_impulse(cpl_t *cpl, const cpl_particles *p) {
     double *row = view.data + (size_t)width * (size_t)i;
     cpl_received(cpl, p, i, row + IMPULSE, width > ADDED ? row + ADDED : NULL);
     const int64_t kind = p->kind ? p->kind[(size_t)i * (size_t)p->kind_stride] : CPL_FREE_SPHERE;
-    row[INVERSE_MASS] = kind == CPL_FIXED_SPHERE || kind == CPL_BLOCK_MEMBER ? 0.0 : *cpl_at(p->inverse_mass, p->inverse_mass_stride, i);
+    row[INVERSE_MASS] = kind == CPL_FIXED_SPHERE || kind == CPL_BLOCK_MEMBER
+                            ? 0.0
+                            : *cpl_at(p->inverse_mass, p->inverse_mass_stride, i);
   }
   if (status == PART_OK)
     status = cpl_match_move(match, width, view.data, cpl->particle_work2.data);
@@ -89,6 +98,8 @@ static int sample_inverse_eps(cpl_t *cpl, const cpl_cells *cells) {
   return cpl_gather(cpl, 1, cpl->reps.data, cpl->inverse_eps.data);
 }
 
+static const double NONE[3] = {0.0, 0.0, 0.0};
+
 /* particle_work: force states; particle_work2: impulses, becomes [count][4] with the values to
  * deposit, b and g. */
 static int implicit_parts(cpl_t *cpl, double dt) {
@@ -99,6 +110,7 @@ static int implicit_parts(cpl_t *cpl, double dt) {
     const double *from = cpl->particle_work2.data + i * (size_t)width;
     double *row = cpl->particle_work2.data + 4 * i; /* never ahead of from */
     double *told = cpl->told.data + 3 * i, g[3];
+    const double *now = cpl->params.unresolved_drag ? NONE : cpl->resampled.data + 3 * i;
     const double sp = force[CPL_FORCE_SP];
     const double b = sp * relaxed(sp * dt * from[INVERSE_MASS]) / force[CPL_FORCE_EPS];
     for (int d = 0; d < 3; d++) {
@@ -106,7 +118,7 @@ static int implicit_parts(cpl_t *cpl, double dt) {
         cpl->extra.data[3 * i + (size_t)d] =
             force[CPL_FORCE_EXTRA + d] - (width > ADDED ? from[ADDED + d] / dt : 0.0);
       told[d] = from[IMPULSE + d] / dt - force[CPL_FORCE_CONSTANT + d];
-      g[d] = b * force[CPL_FORCE_U + d] - told[d];
+      g[d] = b * (force[CPL_FORCE_U + d] - now[d]) - told[d];
     }
     if (!isfinite(b) || !isfinite(g[0]) || !isfinite(g[1]) || !isfinite(g[2]))
       return part_fail(PART_ERR_NUMERIC,
@@ -129,8 +141,11 @@ static void write_source(cpl_t *cpl, cpl_cells *cells) {
     const double volume = cpl->mesh.volume[c] * (model_b ? cells->eps[c] : 1.0);
     cpl->share.data[c] = row[0];
     cells->drag_coefficient[c] = row[0] / volume;
-    for (size_t d = 0; d < 3; d++)
-      cells->drag_explicit[3 * c + d] = row[1 + d] / volume;
+    for (size_t d = 0; d < 3; d++) {
+      const double own =
+          cpl->params.unresolved_drag ? 0.0 : row[0] * cpl->cell_flow.data[3 * c + d];
+      cells->drag_explicit[3 * c + d] = (row[1 + d] + own) / volume;
+    }
   }
 }
 
@@ -154,6 +169,8 @@ static int reserve_source(cpl_t *cpl) {
   PART_TRY(CPL_RESERVE(cpl->implicit, count));
   PART_TRY(CPL_RESERVE(cpl->told, 3 * count));
   PART_TRY(CPL_RESERVE(cpl->cell_work, 4 * n));
+  if (!cpl->params.unresolved_drag)
+    PART_TRY(CPL_RESERVE(cpl->resampled, 3 * count));
   if (cpl->wake && cpl_uses_extra(&cpl->params))
     PART_TRY(CPL_RESERVE(cpl->extra, 3 * count));
   if (cpl->params.model != CPL_MODEL_B)
@@ -177,6 +194,8 @@ static int momentum_source(cpl_t *cpl, const cpl_particles *particles, cpl_cells
   PART_TRY(cpl_agree(cpl, status));
   if (cpl->params.model == CPL_MODEL_B)
     PART_TRY(sample_inverse_eps(cpl, cells));
+  if (!cpl->params.unresolved_drag)
+    PART_TRY(cpl_gather(cpl, 3, cpl->cell_flow.data, cpl->resampled.data));
   status = implicit_parts(cpl, dt);
   PART_TRY(cpl_agree(cpl, status));
   memset(cpl->cell_work.data, 0, 4 * n * sizeof(double));

@@ -109,8 +109,8 @@ tmp<surfaceScalarField> mixtureScheme::ownForce(const volVectorField& j) const
 // With -Kf phi this is drag along the line of cell centres only.
 tmp<surfaceScalarField> mixtureScheme::dragForce(const volVectorField& j) const
 {
-  if (orthogonal_) return dragExplicit_ & along_;
-  return (dragExplicit_ & along_) + Kf_*(skew_ & fvc::interpolate(j));
+  if (orthogonal_) return (dragExplicit_ & along_) + before_;
+  return (dragExplicit_ & along_) + before_ + Kf_*(skew_ & fvc::interpolate(j));
 }
 
 tmp<surfaceScalarField> mixtureScheme::fullPressureForce

@@ -38,7 +38,7 @@ static void give
  * the drag that its particles were told: nothing is left to correct in a steady state. */
 void mixtureScheme::reaction
 (
-  const surfaceScalarField& phi,
+  const surfaceScalarField& phiNow,
   const surfaceScalarField& pressureForce,
   const volVectorField& damped,
   vectorField& drag,
@@ -48,9 +48,15 @@ void mixtureScheme::reaction
   const surfaceScalarField lacking
   (
     (1 - pressureFactor_)*(pressureForce + (body_ & mesh_.Sf()))
-  - ((dragExplicit_ & mesh_.Sf()) - Kf_*phi)
+  - ((dragExplicit_ & mesh_.Sf()) + before_ - Kf_*phiNow)
   );
-  const volVectorField known(D_*(1 - eps_)*vp_ + G_);
+  volVectorField known(D_*(1 - eps_)*vp_ + G_);
+  surfaceScalarField phi(phiNow);
+  if (fluxBefore_.valid())
+  {
+    phi -= fluxBefore_();
+    known -= D_*flowBefore_();
+  }
   const volScalarField ratio((1 - eps_)/eps_);
   const vectorField& Sf = mesh_.faceAreas();
   const labelUList& own = mesh_.owner();

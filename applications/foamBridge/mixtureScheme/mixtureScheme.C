@@ -79,6 +79,7 @@ mixtureScheme::mixtureScheme
   armNei_(faceVector(mesh, "armNei", dimLength)),
   along_(faceVector(mesh, "along", dimArea)),
   skew_(faceVector(mesh, "skew", dimArea)),
+  before_(faceScalar(mesh, "dragBefore", dimVolume/sqr(dimTime))),
   orthogonal_(true),
   solids_(false),
   uniform_(true),
@@ -159,6 +160,24 @@ tmp<surfaceScalarField> mixtureScheme::flux(const volVectorField& solids) const
   );
   stopAtWalls(tflux.ref());
   return tflux;
+}
+
+void mixtureScheme::resolve(const surfaceScalarField& phi, const volVectorField& j)
+{
+  fluxBefore_.reset(new surfaceScalarField("fluxBefore", phi));
+  flowBefore_.reset(new volVectorField("flowBefore", j));
+  facelessBefore_.reset(new volVectorField("facelessBefore", j - reconstruct(phi)));
+  const volVectorField drag(D_*j);
+  surfaceVectorField dragf("dragBefore", path(drag));
+  if (model_ == modelA) dragf = path(volVectorField(drag/eps_))/rf_;
+  before_ = Kf_*phi - (dragf & mesh_.Sf());
+}
+
+tmp<volVectorField> mixtureScheme::faceless(const volVectorField& cells, const surfaceScalarField& flux) const
+{
+  tmp<volVectorField> tpart(cells - reconstruct(flux));
+  if (facelessBefore_.valid()) tpart.ref() -= facelessBefore_();
+  return tpart;
 }
 
 tmp<volVectorField> mixtureScheme::interstitial(const volVectorField& j) const

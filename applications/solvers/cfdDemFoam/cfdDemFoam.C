@@ -77,6 +77,7 @@ int main(int argc, char* argv[])
         solids.source(dt, D, G);         // their drag on the fluid
         stage.next("face coefficients");
         scheme.update();
+        if (!solids.unresolvedDrag()) scheme.resolve(phi, j);
         #include "beginAnswer.H"
         if (solids.virtualMass()) Ubefore = U;
       }

@@ -119,6 +119,7 @@ typedef struct cpl_params {
   int smoothing;          /* off | diffusion, of everything exchanged */
   double bandwidth;       /* b of its kernel exp(-r^2/b^2), in diameters of the largest sphere */
   double bandwidth_cells; /* b is at least so many cells (cube root of the volume) */
+  int unresolved_drag;    /* 1: drag on the velocity of a cell beyond the mean over the weights of each sphere (C.11) */
   int self_disturbance;   /* 1: drag on the velocity without what own drag has added to it */
   int drag;               /* row of coupling/drag_laws.def */
   int pressure_gradient;  /* 1: force -V grad p (A, Bfull; in B it is part of the drag) */

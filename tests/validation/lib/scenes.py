@@ -51,9 +51,15 @@ def smooth(path, coupling=None, **more):
     return free(path, coupling=dict(words, **(coupling or {})), **more)
 
 
+def resolved(path, coupling=None, **more):
+    """That without drag on what the kernel does not resolve."""
+    words = {'unresolvedDrag': False}
+    return smooth(path, coupling=dict(words, **(coupling or {})), **more)
+
+
 def overfull(path, coupling=None, **more):
     """The free spheres with so much room asked for that every cell with one has to give some of it away."""
     return free(path, coupling=dict({'minimumEps': 0.99}, **(coupling or {})), **more)
 
 
-SCENES = {'fixed': fixed, 'settling': settling, 'free': free, 'tets': tets, 'smooth': smooth, 'overfull': overfull}
+SCENES = {'fixed': fixed, 'settling': settling, 'free': free, 'tets': tets, 'smooth': smooth, 'resolved': resolved, 'overfull': overfull}
