@@ -180,6 +180,24 @@ tmp<volVectorField> mixtureScheme::faceless(const volVectorField& cells, const s
   return tpart;
 }
 
+// w of M.16 between eps = 0.7, below which there may be networks of contacts, and 0.9
+static scalar predicted(scalar eps)
+{
+  return 0.2 + 0.8*min(max(5*(eps - 0.7), scalar(0)), scalar(1));
+}
+
+tmp<scalarField> mixtureScheme::predictionWeight() const
+{
+  tmp<scalarField> tw(new scalarField(eps_.size(), 1));
+  if (responds_) forAll(tw(), celli) tw.ref()[celli] = predicted(eps_[celli]);
+  return tw;
+}
+
+tmp<surfaceScalarField> mixtureScheme::predictionWeightf() const
+{
+  return 0.2 + 0.8*min(max(5*(1/rf_ - 0.7), scalar(0)), scalar(1));
+}
+
 tmp<volVectorField> mixtureScheme::interstitial(const volVectorField& j) const
 {
   return (j - (1 - eps_)*vp_)/eps_;

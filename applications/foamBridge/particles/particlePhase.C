@@ -398,7 +398,7 @@ bool particlePhase::foresee
 void particlePhase::react
 (
   scalar dt, const volVectorField& pressure, const vectorField& drag, const vectorField& volume,
-  const volVectorField& stress, scalar prediction
+  const volVectorField& stress, const scalarField& prediction
 )
 {
   if (!params_.two_way)
@@ -411,7 +411,7 @@ void particlePhase::react
   {
     const scalar solid = V[celli]*(1 - epsParticles_[celli]);
     const vector now = solid > 1e-6*V[celli] ? volume[celli]/solid : pressure[celli];
-    pressureAcceleration_[celli] += prediction*(now - pressureAcceleration_[celli]);
+    pressureAcceleration_[celli] += prediction[celli]*(now - pressureAcceleration_[celli]);
   }
   const vectorField dragImpulse(fluid_.density*dt*drag);
   const vectorField fromVolume(volumeImpulse(dt, volume, stress));

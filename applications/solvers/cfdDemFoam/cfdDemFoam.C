@@ -83,10 +83,9 @@ int main(int argc, char* argv[])
       }
       #include "fluidStep.H"
     }
-    const scalar prediction = scheme.responds() ? 0.2 : 1; // M.16
     solids.react
     (
-      dt, given.pressure(), given.drag(), given.volume(), given.stress(), prediction
+      dt, given.pressure(), given.drag(), given.volume(), given.stress(), scheme.predictionWeight()
     );
     #include "endAnswer.H"
     p = p_rgh + (g & mesh.C());
