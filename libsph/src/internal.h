@@ -26,6 +26,7 @@ typedef struct sph_plan {
   int variable;    /* a smoothing length for each particle (S.26) */
   int viscous;     /* viscosity > 0 */
   int hydrostatic; /* gravity along a direction that is not periodic */
+  int balance;     /* forces differ from particle to particle: S.5 with that of both */
   int porous;      /* eps below 1 somewhere */
   int forces;      /* a force of others somewhere */
   int eps_moves;   /* a rate of eps somewhere */
@@ -66,6 +67,7 @@ struct sph_t {
   double cell;           /* m3, spacing^dim */
   double plane;          /* m, z of all particles with two dimensions */
   double hydrostatic[3]; /* Pa/m */
+  double common[3];      /* m/s2, that all particles get of FORCE along periodic directions */
   double monaghan;       /* alpha of S.9 */
   sph_plan plan;
   sph_walls walls;
@@ -85,6 +87,8 @@ struct sph_t {
   size_t shade_room;
   double *factor; /* [all] of S.22 */
   size_t factor_room;
+  double *balance; /* [all][SPH_BALANCE] Pa/m of S.5 */
+  size_t balance_room;
   double *lens; /* [all][2] 1/h, 1/Omega of S.26 */
   size_t lens_room;
   double least_support; /* m, of all particles when lists were made */
@@ -166,6 +170,15 @@ int sph_limits(sph_t *sph, double *step, double *speed);
 
 /* Sums of S.19 into sph->shift. */
 int sph_shift_sums(sph_t *sph);
+
+/* ---- balance.c (S.5)
+ * ------------------------------------------------------------------------------------ */
+/* Collective. Whether it is needed, and what all particles get alike, from FORCE and eps. */
+int sph_plan_balance(sph_t *sph);
+/* Room for own particles and ghosts. */
+int sph_grow_balance(sph_t *sph);
+/* Collective. Of own particles and ghosts, from volumes, eps and FORCE. */
+int sph_make_balance(sph_t *sph);
 
 /* ---- shift.c
  * ------------------------------------------------------------------------------------ */

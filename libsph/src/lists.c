@@ -46,6 +46,8 @@ static int make_full(sph_t *sph) {
   if (sph->plan.correction)
     PART_TRY(sph_grow((size_t)sph->store->local + (size_t)sph->store->ghost, sizeof *sph->factor,
                       &sph->factor_room, &sph->factor));
+  if (sph->plan.balance)
+    PART_TRY(sph_grow_balance(sph));
   if (sph->plan.shifting)
     PART_TRY(sph_grow(SPH_SHIFTS * (size_t)n, sizeof *sph->shift, &sph->shift_room, &sph->shift));
   for (int i = 0; i < n; i++) {

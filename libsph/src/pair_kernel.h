@@ -33,12 +33,23 @@ PART_LANES vec separate(const row *r, const vec b[8], vec d[3], vec u[3]) {
   return d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
 }
 
+/* What S.5 takes off p_j - p_i of a block of partners, with the other sign: the mean of both along d. */
+PART_LANES vec balanced(const sph_lanes *in, int i, const int *partner, const vec d[3]) {
+  const double *g = in->hydrostatic;
+  vec sum = vec_all(0.0);
+  if (in->balance == NULL)
+    return g[0] * d[0] + g[1] * d[1] + g[2] * d[2];
+  const double *own = in->balance + SPH_BALANCE * (size_t)i;
+  for (int c = 0; c < 3; c++)
+    sum += (own[c] + vec_load_1(in->balance + c, SPH_BALANCE, partner)) * d[c];
+  return 0.5 * sum;
+}
+
 /* S.4, S.5, S.6, S.11, S.22. */
 PART_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
                             sph_kernel_function shape, sph_kernel_function slope) {
   const vec per_h = vec_all(1.0 / in->h), norm = vec_all(in->norm);
   const vec slope_norm = vec_all(in->norm / (in->h * in->h));
-  const double *g = in->hydrostatic;
   const int values = in->smooth || in->count;
   for (int i = from; i < to; i++) {
     row r = take_row(in, i);
@@ -52,7 +63,7 @@ PART_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
       const vec f = b[3] * slope_norm * slope(q);
       s[0] += f * (d[0] * u[0] + d[1] * u[1] + d[2] * u[2]);
       if (in->diffuse) {
-        vec flow = b[7] - r.p + (g[0] * d[0] + g[1] * d[1] + g[2] * d[2]);
+        vec flow = b[7] - r.p + balanced(in, i, in->partner + r.k, d);
         if (in->porous)
           flow *= 0.5 * (r.eps + vec_load_1(in->mass + 2, 4, in->partner + r.k));
         s[1] += f * flow;

@@ -8,7 +8,7 @@
 
 #include "sph/sph.h"
 
-enum { SPH_XV = 8, SPH_SUMS = 8, SPH_SHIFTS = 8, SPH_BLOCK = 8 };
+enum { SPH_BALANCE = 4, SPH_XV = 8, SPH_SUMS = 8, SPH_SHIFTS = 8, SPH_BLOCK = 8 };
 
 /* What a loop works on. Loops do not know sph_t. */
 typedef struct sph_lanes {
@@ -20,6 +20,7 @@ typedef struct sph_lanes {
   double h, norm;               /* m, 1/m3: W = norm shape(r/h) */
   double density;               /* kg/m3 */
   double hydrostatic[3];        /* Pa/m, rho_0 g along directions that are not periodic (S.5) */
+  const double *balance;        /* [all][4] Pa/m in its place, where forces differ; NULL: they do not */
   int diffuse, smooth, count;   /* the density loop also sums S.5, S.11, S.6 */
   int porous;                   /* eps is not 1 everywhere */
   int correct;                  /* the density loop sums S.22, the force loop uses the next */
@@ -36,7 +37,7 @@ typedef struct sph_lanes {
 
 /* Sums of rows from .. to-1 into sum[row][SPH_SUMS]. density: [0] sum V u.grad W, [1] sum V (p_j -
  * p_i
- * - hydrostatic) slope, [2..4] sum V (v_j - v_i) W, [5] sum W without the own, [6] -sum V
+ * - balance) slope, [2..4] sum V (v_j - v_i) W, [5] sum W without the own, [6] -sum V
  * x_ij.grad W. force: [0..2] force
  * over own volume. shift, into [row][SPH_SHIFTS]: [0..2] sum V grad W, [3..5] sum V (p_j - p_i)
  * grad W, [6] -sum V x_ij.grad W. Where a sum is not asked for it is not written.

@@ -11,7 +11,6 @@ PART_LANES vec slope_power(const sph_lanes *in, vec per_h) {
 /* S.26: a's own sums with its own length; S.5 and S.11 with the mean of both. */
 PART_LANES void variable_density_loop(const sph_lanes *in, int from, int to, double *sum,
                                       sph_kernel_function shape, sph_kernel_function slope) {
-  const double *g = in->hydrostatic;
   const vec norm = vec_all(in->unit_norm);
   for (int i = from; i < to; i++) {
     row r = take_row(in, i);
@@ -33,7 +32,7 @@ PART_LANES void variable_density_loop(const sph_lanes *in, int from, int to, dou
       const vec per_hb = vec_load_1(in->lens, 2, in->partner + r.k), qb = distance * per_hb;
       const vec power = norm * slope_power(in, per_hb);
       if (in->diffuse) {
-        vec flow = b[7] - r.p + (g[0] * d[0] + g[1] * d[1] + g[2] * d[2]);
+        vec flow = b[7] - r.p + balanced(in, i, in->partner + r.k, d);
         if (in->porous)
           flow *= 0.5 * (r.eps + vec_load_1(in->mass + 2, 4, in->partner + r.k));
         s[1] += 0.25 * (1.0 / per_h + 1.0 / per_hb) * (f + b[3] * power * slope(qb)) * flow;

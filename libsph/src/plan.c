@@ -61,7 +61,7 @@ int sph_plan_fields(sph_t *sph) {
   sph->plan.porous = sph->least_eps < 1.0 || most[2] > 0.0;
   sph->plan.forces = most[1] > 0.0;
   sph->plan.eps_moves = most[2] > 0.0 && !sph->eps_ahead;
-  return PART_OK;
+  return sph_plan_balance(sph);
 }
 
 static int add_line(size_t size, char *text, const char *what, const char *why, const char *saves) {
@@ -87,6 +87,9 @@ int sph_plan_text(const sph_t *sph, size_t size, char *text) {
   if (!plan->diffusion && !plan->summation)
     PART_TRY(add_line(size, text, "density diffusion", "densityDiffusion is 0",
                       "a fifth of the density loop"));
+  if (plan->diffusion && !plan->balance)
+    PART_TRY(add_line(size, text, "pressure gradient that forces balance", "no force of others, no eps with gravity",
+                      "three loads a pair"));
   if (!plan->xsph && !plan->summation)
     PART_TRY(add_line(size, text, "kernel values", "neither xsph nor summation",
                       "a third of the density loop"));

@@ -137,6 +137,7 @@ void sph_destroy(sph_t *sph) {
   free(sph->shift);
   free(sph->shade);
   free(sph->factor);
+  free(sph->balance);
   free(sph->lens);
   free(sph->saved);
   if (sph->comm != MPI_COMM_NULL)

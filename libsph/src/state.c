@@ -57,6 +57,7 @@ sph_lanes sph_lanes_of(const sph_t *sph) {
       .unit_norm = sph->unit_norm,
       .density = p->density,
       .hydrostatic = {g[0], g[1], g[2]},
+      .balance = sph->plan.balance ? sph->balance : NULL,
       .diffuse = sph->plan.diffusion || all,
       .smooth = sph->plan.xsph || all,
       .count = sph->plan.summation || (all && !sph->plan.variable),
@@ -106,6 +107,8 @@ int sph_density_rates(sph_t *sph) {
       2.0 * p->density_diffusion * (variable ? 1.0 : p->smoothing_length) / p->sound_speed;
   if (variable && sph->plan.summation)
     return sph_solve_lengths(sph);
+  if (sph->plan.balance)
+    PART_TRY(sph_make_balance(sph));
   PART_TRY(density_sums(sph));
   if (variable)
     sph_set_omegas(sph);
