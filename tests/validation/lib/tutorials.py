@@ -17,7 +17,7 @@ def copy_of(case, folder, tree):
     to = os.path.join(tree, 'tutorials', folder, case)
     shutil.rmtree(to, ignore_errors=True)
     shutil.copytree(os.path.join(ROOT, 'tutorials', folder, case), to,
-                    ignore=shutil.ignore_patterns('runs', 'particles', 'postProcessing', '0', '0.[0-9]*', 'log.*', '*.png', 'polyMesh'))
+                    ignore=shutil.ignore_patterns('runs', 'particles', 'postProcessing', '0', '0.[0-9]*', 'log.*', '*.png', 'polyMesh', 'results.json'))
     return to
 
 
