@@ -80,7 +80,7 @@ void fluidPhase::openTable()
     const fileName folder(mesh_.time().globalPath()/"postProcessing"/"fluid"/mesh_.time().timeName());
     mkDir(folder);
     table_.reset(new OFstream(folder/"fluid.dat"));
-    table_->precision(12);
+    table_->precision(15); // enough for balances of these numbers to 1e-12
     *table_ << "# Time [s]\tparticles\tsteps\tsuperficial velocity x y z [m/s]\tmax speed [m/s]\tleast eps"
             << "\tleast pressure [Pa]\tmost pressure [Pa]\tkinetic energy [J]\tmomentum x y z [N s]"
             << "\tgravity impulse x y z [N s]\twall impulse x y z [N s]\tsolids' impulse x y z [N s]"

@@ -14,7 +14,7 @@ static OFstream* openTable(const Time& time, const word& kind, const word& name,
   const fileName folder(time.globalPath()/"postProcessing"/kind/time.timeName());
   mkDir(folder);
   OFstream* file = new OFstream(folder/(name + ".dat"));
-  file->precision(12);
+  file->precision(15); // enough for balances of these numbers to 1e-12
   *file << "# " << head << endl;
   return file;
 }
