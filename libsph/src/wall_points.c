@@ -14,7 +14,7 @@ static const double same_side = 0.966;
 
 /* Nearer than this to the wall the factor of the mirrored velocity does not grow any more: it would
  * be infinite at the wall. Particles begin at half a spacing. */
-static const double nearest_mirror = 0.25;
+static const double nearest_mirror = 0.1;
 
 static double dot(const double a[3], const double b[3]) {
   return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -131,16 +131,24 @@ static void mirror_sides(const sph_t *sph, const sph_seer *s, const double r[3],
   }
 }
 
+/* Distance of the particle from the wall that a point is behind. Of a surface of triangles it is that
+ * from the plane of the triangle: the triangle itself may be next to the one below the particle, in the
+ * same plane or round a bend, and then its nearest point is far off along the wall. Round an edge, where
+ * that plane is nearer than the wall, or behind the particle, it is that from the wall. */
+static double distance_before(const sph_t *sph, const sph_seer *s, int face) {
+  const sph_face *f = &sph->walls.face[face];
+  const double d[3] = {s->x[0] - f->a[0], s->x[1] - f->a[1], s->x[2] - f->a[2]};
+  return face == s->nearest ? s->distance : fmax(dot(d, f->n), s->distance);
+}
+
 /* A point of a corner, an edge or a curved wall; 0: it is in the fluid. */
 static int general_point(const sph_t *sph, const sph_seer *s, const double r[3], sph_point *p) {
-  double behind, tilt, distance = s->distance;
+  double behind;
   const double share = solid_share(sph, s, r, &p->face, &behind);
   if (!(share > 0.0))
     return 0;
-  if (p->face != s->nearest)
-    distance = sph_face_distance(&sph->walls.face[p->face], s->x, &tilt);
   p->volume = share * sph->cell;
-  p->mirror = sph_walls_mirror(sph, behind, distance);
+  p->mirror = sph_walls_mirror(sph, behind, distance_before(sph, s, p->face));
   mirror_sides(sph, s, r, p->q);
   return 1;
 }
