@@ -5,7 +5,7 @@
  *
  * The fluid is incompressible and locally averaged (model A or B); its unknown is the mixture volume
  * flux j (applications/foamBridge/mixtureScheme). Particles are those of libdem, the exchange is that
- * of libcoupling. See doc/equations.md. */
+ * of libcoupling. Without constant/demProperties the fluid is alone. See doc/equations.md. */
 #include "PhaseIncompressibleTurbulenceModel.H"
 #include "fixedFluxPressureFvPatchScalarField.H"
 #include "fvCFD.H"
@@ -13,14 +13,16 @@
 #include "singlePhaseTransportModel.H"
 #include "uniformDimensionedFields.H"
 
+#include "blockAnswer.H"
 #include "fluidSteps.H"
 #include "foamParams.H"
+#include "frozenFlow.H"
 #include "mixtureFields.H"
 #include "mixtureScheme.H"
 #include "operatorSelfTest.H"
-#include "particlePhase.H"
 #include "progress.H"
 #include "restartTime.H"
+#include "solidPhase.H"
 #include "stageTimers.H"
 
 int main(int argc, char* argv[])
@@ -28,7 +30,8 @@ int main(int argc, char* argv[])
   argList::addNote
   (
     "Coupled CFD-DEM: incompressible fluid on the mesh (laminar or OpenFOAM turbulence model),\n"
-    "particles from constant/demProperties, exchange from constant/couplingProperties."
+    "particles from constant/demProperties, exchange from constant/couplingProperties; without these files\n"
+    "the fluid alone."
   );
   argList::addBoolOption("selfTest", "check the OpenFOAM operators on this mesh before running");
   #include "setRootCaseLists.H"
@@ -83,11 +86,14 @@ int main(int argc, char* argv[])
       }
       #include "fluidStep.H"
     }
-    solids.react
-    (
-      dt, given.pressure(), given.drag(), given.volume(), given.stress(), scheme.predictionWeight()
-    );
-    #include "endAnswer.H"
+    if (!solids.none())
+    {
+      solids.react
+      (
+        dt, given.pressure(), given.drag(), given.volume(), given.stress(), scheme.predictionWeight()
+      );
+      #include "endAnswer.H"
+    }
     p = p_rgh + (g & mesh.C());
 
     stage.next("report and output");
@@ -98,7 +104,7 @@ int main(int argc, char* argv[])
       restartTime(runTime);
       solids.write();
     }
-    pace.report(Info, solids.system().particleSteps());
+    pace.report(Info, solids.particleSteps());
     stage.stop();
   }
   stage.report(Info);
