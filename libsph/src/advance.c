@@ -47,8 +47,12 @@ static void drift_with_neighbours(sph_t *sph, double h) {
 }
 
 static void change_density(sph_t *sph, double h) {
-  for (int i = 0; i < sph->store->local; i++)
-    sph_mass(sph)[SPH_MASS * (size_t)i + 1] += h * sph_rate(sph)[SPH_RATE * (size_t)i + 3];
+  for (int i = 0; i < sph->store->local; i++) {
+    double *density = &sph_mass(sph)[SPH_MASS * (size_t)i + 1];
+    *density += h * sph_rate(sph)[SPH_RATE * (size_t)i + 3];
+    if (sph->plan.seen)
+      *density *= sph->sum[SPH_SUMS * (size_t)i + SPH_FOLLOW];
+  }
 }
 
 /* S.18, at the end of h from now. */
@@ -228,7 +232,8 @@ static int run(sph_t *sph, double dt, int *steps) {
   const double end = sph->time + dt;
   double left = dt, longest, speed;
   PART_TRY(sph_plan_fields(sph));
-  sph_set_states(sph); /* eps may be new */
+  if (!sph->eps_ahead)
+    sph_set_states(sph); /* eps may be new */
   while (left > 0.0) {
     PART_TRY(sph_limits(sph, &longest, &speed));
     /* A ratio that is whole but for rounding is meant to be whole. */

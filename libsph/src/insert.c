@@ -27,6 +27,7 @@ static int put(sph_t *sph, int at, int64_t id, const double x[3], const double v
   m[0] = density * volume;
   m[1] = density;
   m[2] = 1.0;
+  sph_seen(sph)[SPH_SEEN * (size_t)at] = 1.0;
   m[3] = 0.5 * sph->reach;
   sph_force(sph)[SPH_FORCE * (size_t)at + 7] = 1.0;
   part_record_int64(sph->store, SPH_RECORD_META)[SPH_META * (size_t)at] = id;

@@ -14,7 +14,8 @@
 #include "particle/sum.h"
 #include "walls.h"
 
-enum { SPH_MASS = 4, SPH_RATE = 4, SPH_FORCE = 8, SPH_META = 2 }; /* widths of records */
+enum { SPH_MASS = 4, SPH_RATE = 4, SPH_FORCE = 8, SPH_SEEN = 1, SPH_META = 2 };
+enum { SPH_FOLLOW = 7 }; /* of the sums of the density: factor of S.27 */ /* widths of records */
 
 /* What the scene needs, worked out by sph_start and when eps is set. */
 typedef struct sph_plan {
@@ -30,6 +31,7 @@ typedef struct sph_plan {
   int porous;      /* eps below 1 somewhere */
   int forces;      /* a force of others somewhere */
   int eps_moves;   /* a rate of eps somewhere */
+  int seen;        /* porous, and p from the eps that the divergence sees (S.27) */
 } sph_plan;
 
 enum sph_stage {
@@ -73,6 +75,7 @@ struct sph_t {
   sph_walls walls;
 
   int started, restored, restored_elsewhere;
+  int has_seen;  /* SEEN is that of the step before */
   int eps_ahead; /* EPS is that of the end of the next advance */
   int64_t total;
   double time, least_eps;
@@ -117,6 +120,9 @@ static inline double *sph_rate(const sph_t *sph) {
 }
 static inline double *sph_force(const sph_t *sph) {
   return part_record_double(sph->store, SPH_RECORD_FORCE);
+}
+static inline double *sph_seen(const sph_t *sph) {
+  return part_record_double(sph->store, SPH_RECORD_SEEN);
 }
 static inline int64_t sph_id(const sph_t *sph, int i) {
   return part_record_int64(sph->store, SPH_RECORD_META)[SPH_META * (size_t)i];

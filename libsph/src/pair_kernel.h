@@ -45,16 +45,22 @@ PART_LANES vec balanced(const sph_lanes *in, int i, const int *partner, const ve
   return 0.5 * sum;
 }
 
-/* S.4, S.5, S.6, S.11, S.22. */
+/* 1/eps_j - 1/eps_i */
+PART_LANES vec looser(const sph_lanes *in, vec own, const int *partner) {
+  const vec eps = vec_load_1(in->mass + 2, 4, partner);
+  return (own - eps) / (own * eps);
+}
+
+/* S.4, S.5, S.6, S.11, S.22, S.27. */
 PART_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
                             sph_kernel_function shape, sph_kernel_function slope) {
   const vec per_h = vec_all(1.0 / in->h), norm = vec_all(in->norm);
   const vec slope_norm = vec_all(in->norm / (in->h * in->h));
-  const int values = in->smooth || in->count;
+  const int values = in->smooth || in->count || in->seen;
   for (int i = from; i < to; i++) {
     row r = take_row(in, i);
-    vec s[7];
-    for (int c = 0; c < 7; c++)
+    vec s[8];
+    for (int c = 0; c < 8; c++)
       s[c] = vec_all(0.0);
     for (; r.k < r.end; r.k += PART_WIDTH) {
       vec b[8], d[3], u[3];
@@ -73,11 +79,13 @@ PART_LANES void density_loop(const sph_lanes *in, int from, int to, double *sum,
         for (int c = 0; c < 3; c++)
           s[2 + c] -= v * u[c];
         s[5] += vec_keep(vec_less(vec_all(0.0), d2), w);
+        if (in->seen)
+          s[7] += v * looser(in, r.eps, in->partner + r.k);
       }
       if (in->correct)
         s[6] -= f * d2;
     }
-    for (int c = 0; c < 7; c++)
+    for (int c = 0; c < 8; c++)
       sum[SPH_SUMS * (size_t)i + (size_t)c] = vec_sum(s[c]);
   }
 }

@@ -23,6 +23,7 @@ typedef struct sph_lanes {
   const double *balance;        /* [all][4] Pa/m in its place, where forces differ; NULL: they do not */
   int diffuse, smooth, count;   /* the density loop also sums S.5, S.11, S.6 */
   int porous;                   /* eps is not 1 everywhere */
+  int seen;                     /* the density loop sums S.27 */
   int correct;                  /* the density loop sums S.22, the force loop uses the next */
   const double *factor;         /* [all] of S.22 */
   double viscosity;             /* Pa s, of Morris, 0: none */
@@ -38,10 +39,10 @@ typedef struct sph_lanes {
 /* Sums of rows from .. to-1 into sum[row][SPH_SUMS]. density: [0] sum V u.grad W, [1] sum V (p_j -
  * p_i
  * - balance) slope, [2..4] sum V (v_j - v_i) W, [5] sum W without the own, [6] -sum V
- * x_ij.grad W. force: [0..2] force
+ * x_ij.grad W, [7] sum V (1/eps_j - 1/eps_i) W. force: [0..2] force
  * over own volume. shift, into [row][SPH_SHIFTS]: [0..2] sum V grad W, [3..5] sum V (p_j - p_i)
  * grad W, [6] -sum V x_ij.grad W. Where a sum is not asked for it is not written.
- * variable_density: [0], [1] times the pair's h, [2..4], [6] as density, [7] sum V W without the own; number: [5] as
+ * variable_density: [0], [1] times the pair's h, [2..4], [6] as density, [5] as its [7], [7] sum V W without the own; number: [5] as
  * density, [6] -sum x_ij.grad W; variable_force: as force.
  */
 typedef void (*sph_pair_loop)(const sph_lanes *lanes, int from, int to, double *sum);

@@ -27,6 +27,8 @@ PART_LANES void variable_density_loop(const sph_lanes *in, int from, int to, dou
       s[0] += f * (d[0] * u[0] + d[1] * u[1] + d[2] * u[2]);
       s[6] -= f * d2;
       s[7] += vec_keep(vec_less(vec_all(0.0), d2), w);
+      if (in->seen)
+        s[5] += w * looser(in, r.eps, in->partner + r.k);
       if (!in->diffuse && !in->smooth)
         continue;
       const vec per_hb = vec_load_1(in->lens, 2, in->partner + r.k), qb = distance * per_hb;

@@ -61,6 +61,7 @@ int sph_plan_fields(sph_t *sph) {
   sph->plan.porous = sph->least_eps < 1.0 || most[2] > 0.0;
   sph->plan.forces = most[1] > 0.0;
   sph->plan.eps_moves = most[2] > 0.0 && !sph->eps_ahead;
+  sph->plan.seen = sph->plan.porous && sph->params.consistent_porosity && !sph->plan.summation;
   return sph_plan_balance(sph);
 }
 
@@ -84,6 +85,10 @@ int sph_plan_text(const sph_t *sph, size_t size, char *text) {
   if (!plan->porous)
     PART_TRY(add_line(size, text, "eps of partners", "eps is 1 everywhere",
                       "a load a pair, their copies on other ranks"));
+  if (!plan->seen && !plan->summation)
+    PART_TRY(add_line(size, text, "eps that the divergence sees",
+                      plan->porous ? "consistentPorosity is off" : "eps is 1 everywhere",
+                      "a kernel value and a division a pair"));
   if (!plan->diffusion && !plan->summation)
     PART_TRY(add_line(size, text, "density diffusion", "densityDiffusion is 0",
                       "a fifth of the density loop"));

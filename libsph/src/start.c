@@ -66,7 +66,7 @@ static int first_rates(sph_t *sph) {
   if (sph->plan.summation) {
     status = first_sums(sph);
   } else if (sph->params.time_scheme == SPH_PREDICTOR_CORRECTOR || sph->plan.correction ||
-             sph->plan.variable) {
+             sph->plan.variable || sph->plan.seen) {
     status = part_agree(sph->comm, sph_density_rates(sph));
     if (status == PART_OK)
       status = sph_make_factors(sph);
@@ -101,6 +101,7 @@ int sph_start(sph_t *sph) {
     sph_set_states(sph);
   PART_TRY(sph_rebuild(sph, !sph->restored || sph->restored_elsewhere));
   sph->started = 1;
+  sph->has_seen = sph->restored && sph->plan.seen;
   if (sph->restored)
     return PART_OK;
   PART_TRY(first_rates(sph));
@@ -131,6 +132,7 @@ int sph_displace(sph_t *sph, const double *eps) {
     sph->own_mass += m[0];
   }
   PART_TRY(sph_plan_fields(sph));
+  sph->has_seen = 0;
   sph_set_states(sph);
   PART_TRY(sph_refresh_ghosts(sph));
   PART_TRY(first_rates(sph));

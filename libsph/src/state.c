@@ -58,6 +58,7 @@ sph_lanes sph_lanes_of(const sph_t *sph) {
       .density = p->density,
       .hydrostatic = {g[0], g[1], g[2]},
       .balance = sph->plan.balance ? sph->balance : NULL,
+      .seen = sph->plan.seen,
       .diffuse = sph->plan.diffusion || all,
       .smooth = sph->plan.xsph || all,
       .count = sph->plan.summation || (all && !sph->plan.variable),
@@ -99,6 +100,20 @@ int sph_make_factors(sph_t *sph) {
                                     sph->factor + sph->store->local);
 }
 
+/* S.27, from the sums of the density: what the density follows at the end of the step is left in the sums. What 1 + sum is kept above is far
+ * below what even particles can give. */
+static void see_eps(sph_t *sph) {
+  const int sum = sph->plan.variable ? 5 : 7;
+  for (int i = 0; i < sph->store->local; i++) {
+    const double eps = sph_mass(sph)[SPH_MASS * (size_t)i + 2];
+    double *seen = sph_seen(sph) + SPH_SEEN * (size_t)i, *s = sph->sum + SPH_SUMS * (size_t)i;
+    const double now = 1.0 / fmax(1.0 + eps * s[sum], 0.1);
+    s[SPH_FOLLOW] = sph->has_seen ? *seen / now : 1.0;
+    *seen = now;
+  }
+  sph->has_seen = 1;
+}
+
 /* S.4 + S.5, or S.6: what the scheme asks for. */
 int sph_density_rates(sph_t *sph) {
   const sph_params *p = &sph->params;
@@ -116,6 +131,8 @@ int sph_density_rates(sph_t *sph) {
     sph_density_sums(sph);
     return PART_OK;
   }
+  if (sph->plan.seen)
+    see_eps(sph);
   for (int i = 0; i < sph->store->local; i++) {
     const double *s = sph->sum + SPH_SUMS * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
     sph_rate(sph)[SPH_RATE * (size_t)i + 3] =

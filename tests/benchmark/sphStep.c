@@ -42,6 +42,7 @@ enum {
   SHIFT,
   REPEL,
   CLUMP,
+  CONSISTENT,
   OPTIONS
 };
 static option options[OPTIONS] = {{"low", 0.7},
@@ -59,7 +60,8 @@ static option options[OPTIONS] = {{"low", 0.7},
                                   {"sound", 15.0},
                                   {"shifting", 0.0},
                                   {"artificialPressure", 0.0},
-                                  {"antiClump", 0.0}};
+                                  {"antiClump", 0.0},
+                                  {"consistent", 1.0}};
 
 static void check(int status) {
   if (status == PART_OK)
@@ -154,6 +156,7 @@ static sph_t *make(void) {
   params.shifting = value(SHIFT);
   params.artificial_pressure = value(REPEL);
   params.anti_clump = value(CLUMP);
+  params.consistent_porosity = (int)value(CONSISTENT);
   check(sph_create(MPI_COMM_WORLD, &box, &params, &sph));
   fill(sph);
   check(sph_start(sph));

@@ -77,6 +77,7 @@ typedef struct sph_params {
   double artificial_viscosity, xsph;
   double shifting, artificial_pressure, anti_clump; /* S.19, S.20, S.21 */
   int gradient_correction; /* S.22 */
+  int consistent_porosity; /* S.27 */
   int time_scheme;
   double courant, viscous_fraction, force_fraction;
   double skin_fraction; /* of the radius of the support */
