@@ -206,7 +206,7 @@ static void add_to_wall(dem_t *dem, dem_wall *wall, const double lever[3], const
 /* Velocity of the wall's surface at the contact point. */
 static void surface_velocity(const dem_wall *wall, const double lever[3], double v[3]) {
   for (int c = 0; c < 3; c++)
-    v[c] = wall->pose.drift[c] + (wall->turns ? dot(wall->pose.gain[c], lever) : 0.0);
+    v[c] = wall->pose.body.drift[c] + (wall->turns ? dot(wall->pose.body.gain[c], lever) : 0.0);
 }
 
 /* Contact point seen from the centre of the wall, whose image the shift names. */

@@ -32,69 +32,20 @@ static double sweep_of(const dem_wall_params *p, const dem_element *e) {
   return off <= 1e-12 * e->radius && aligned > 1.0 - 1e-14 ? 0.0 : off + e->radius;
 }
 
-/* Time that the wall has moved until t. */
-static double moved_time(const dem_wall_params *p, double t) {
-  return fmax(fmin(t, p->stop_time) - p->start_time, 0.0);
-}
-
-static void set_turn(const double axis[3], double angle, double turn[3][3]) {
-  const double s = sin(angle), half = sin(0.5 * angle), one = 2.0 * half * half; /* 1 - cos */
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++)
-      turn[i][j] = one * axis[i] * axis[j] + (i == j ? 1.0 - one : 0.0);
-  turn[0][1] -= s * axis[2];
-  turn[1][0] += s * axis[2];
-  turn[0][2] += s * axis[1];
-  turn[2][0] -= s * axis[1];
-  turn[1][2] -= s * axis[0];
-  turn[2][1] += s * axis[0];
-}
-
-/* Velocity field whose displacement over h is that of the wall: with K the cross product with the
- * axis and b the angle of the step, (1 - turn(-b))/h = (sin b K - (1 - cos b) K K)/h. */
-static void set_gain(const double k[3], double rate, double h, double moved, double gain[3][3]) {
-  const double b = rate * moved, half = sin(0.5 * b);
-  const double s = h > 0.0 ? sin(b) / h : rate, one = h > 0.0 ? 2.0 * half * half / h : 0.0;
-  const double cross[3][3] = {{0.0, -k[2], k[1]}, {k[2], 0.0, -k[0]}, {-k[1], k[0], 0.0}};
-  for (int i = 0; i < 3; i++)
-    for (int j = 0; j < 3; j++) /* K K = k k^T - 1 */
-      gain[i][j] = s * cross[i][j] - one * (k[i] * k[j] - (i == j ? 1.0 : 0.0));
-}
-
-/* Parts of the step h before t in which the wall moved. */
-static double step_time(const dem_wall_params *p, double t, double h) {
-  if (t - h >= p->start_time && t <= p->stop_time)
-    return h;
-  return fmax(fmin(t, p->stop_time) - fmax(t - h, p->start_time), 0.0);
-}
-
 static void set_pose(const dem_wall *wall, double t, double h, dem_pose *pose) {
-  const dem_wall_params *p = &wall->params;
-  const double two_pi = 6.28318530717958647693, omega = two_pi * p->oscillation_frequency;
-  const double s = moved_time(p, t), step = h > 0.0 ? step_time(p, t, h) : 0.0;
-  const int now = t >= p->start_time && t < p->stop_time;
-  /* sin(omega s) - sin(omega (s - step)) without the cancellation */
-  const double swing = h > 0.0 ? 2.0 * cos(omega * (s - 0.5 * step)) * sin(0.5 * omega * step) / h
-                               : (now ? omega * cos(omega * s) : 0.0);
-  const double share = h > 0.0 ? step / h : now;
+  const part_motion motion = dem_wall_motion(&wall->params);
+  part_motion_pose(&motion, t, h, &pose->body);
   for (int c = 0; c < 3; c++) {
-    const double way = p->oscillation_amplitude * p->oscillation_direction[c];
-    pose->way[c] = p->velocity[c] * s + way * sin(omega * s);
-    pose->shift[c] = pose->way[c] - wall->wrap[c];
-    pose->from[c] = p->centre[c] + pose->shift[c];
-    pose->drift[c] = p->velocity[c] * share + way * swing;
+    pose->shift[c] = pose->body.way[c] - wall->wrap[c];
+    pose->from[c] = motion.centre[c] + pose->shift[c];
   }
-  pose->angle = p->rotation_rate * s;
-  if (!wall->turns)
-    return;
-  set_turn(p->rotation_axis, pose->angle, pose->turn);
-  set_gain(p->rotation_axis, h > 0.0 || now ? p->rotation_rate : 0.0, h, step, pose->gain);
 }
 
 void dem_wall_prepare(dem_wall *wall, const dem_element *element) {
   const dem_wall_params *p = &wall->params;
+  const part_motion motion = dem_wall_motion(p);
   wall->turns = p->rotation_rate != 0.0;
-  wall->moves = wall->turns || length(p->velocity) > 0.0 || p->oscillation_amplitude > 0.0;
+  wall->moves = part_motion_moves(&motion);
   for (int k = 0; k < wall->count && wall->turns; k++)
     wall->sweep = fmax(wall->sweep, sweep_of(p, &element[k]));
   set_pose(wall, p->start_time, 0.0, &wall->pose);
@@ -121,7 +72,7 @@ static double way_between(const dem_t *dem, const dem_wall *wall, const dem_pose
                        b->shift[2] - a->shift[2]};
   const dem_element *e = &dem->walls.element[wall->first];
   const double shifted = e->shape == DEM_SHAPE_PLANE ? fabs(dot(d, e->n)) : length(d);
-  return shifted + 2.0 * wall->sweep * sin(0.5 * fmin(fabs(b->angle - a->angle), pi));
+  return shifted + 2.0 * wall->sweep * sin(0.5 * fmin(fabs(b->body.angle - a->body.angle), pi));
 }
 
 void dem_walls_move(dem_t *dem, double t, double h) {
@@ -135,7 +86,7 @@ void dem_walls_move(dem_t *dem, double t, double h) {
     set_pose(wall, t, h, &wall->pose);
     for (int c = 0; c < 3; c++) {
       const int d = (c + 1) % 3, e = (c + 2) % 3;
-      wall->spin[c] = 0.5 * (wall->pose.gain[e][d] - wall->pose.gain[d][e]);
+      wall->spin[c] = 0.5 * (wall->pose.body.gain[e][d] - wall->pose.body.gain[d][e]);
     }
     most = fmax(most, way_between(dem, wall, &before, &wall->pose));
     since = fmax(since, way_between(dem, wall, &wall->listed, &wall->pose));
@@ -151,8 +102,8 @@ void dem_walls_listed(dem_t *dem) {
     dem_wall *wall = &walls->wall[w];
     for (int c = 0; c < 3; c++) {
       const double period = dem->box.hi[c] - dem->box.lo[c];
-      wall->wrap[c] = dem->box.periodic[c] ? period * rint(wall->pose.way[c] / period) : 0.0;
-      wall->pose.shift[c] = wall->pose.way[c] - wall->wrap[c];
+      wall->wrap[c] = dem->box.periodic[c] ? period * rint(wall->pose.body.way[c] / period) : 0.0;
+      wall->pose.shift[c] = wall->pose.body.way[c] - wall->wrap[c];
       wall->pose.from[c] = wall->params.centre[c] + wall->pose.shift[c];
     }
     wall->listed = wall->pose;
@@ -191,7 +142,7 @@ void dem_wall_see(const dem_t *dem, const dem_wall *wall, int shift, const doubl
       seen[c] -= wall->pose.shift[c];
     return;
   }
-  const double(*turn)[3] = wall->pose.turn, *centre = wall->params.centre;
+  const double(*turn)[3] = wall->pose.body.turn, *centre = wall->params.centre;
   const double d[3] = {seen[0] - wall->pose.from[0], seen[1] - wall->pose.from[1],
                        seen[2] - wall->pose.from[2]};
   for (int c = 0; c < 3; c++)
@@ -201,7 +152,7 @@ void dem_wall_see(const dem_t *dem, const dem_wall *wall, int shift, const doubl
 void dem_wall_direct(const dem_wall *wall, double v[3]) {
   const double a[3] = {v[0], v[1], v[2]};
   for (int c = 0; c < 3 && wall->turns; c++)
-    v[c] = dot(wall->pose.turn[c], a);
+    v[c] = dot(wall->pose.body.turn[c], a);
 }
 
 int dem_wall_nearest(const dem_t *dem, int element, int shift, const double x[3], double p[3],

@@ -77,17 +77,24 @@ static int check_shape(dem_wall_params *p) {
   return PART_OK;
 }
 
+part_motion dem_wall_motion(const dem_wall_params *p) {
+  part_motion m = {.rotation_rate = p->rotation_rate,
+                   .oscillation_amplitude = p->oscillation_amplitude,
+                   .oscillation_frequency = p->oscillation_frequency,
+                   .start_time = p->start_time,
+                   .stop_time = p->stop_time};
+  memcpy(m.velocity, p->velocity, sizeof m.velocity);
+  memcpy(m.centre, p->centre, sizeof m.centre);
+  memcpy(m.rotation_axis, p->rotation_axis, sizeof m.rotation_axis);
+  memcpy(m.oscillation_direction, p->oscillation_direction, sizeof m.oscillation_direction);
+  return m;
+}
+
 static int check_motion(dem_wall_params *p) {
-  PART_TRY(direction(p->rotation_axis, p->rotation_rate != 0.0, "rotationAxis", "rotationRate"));
-  PART_TRY(direction(p->oscillation_direction, p->oscillation_amplitude > 0.0,
-                     "oscillationDirection", "oscillationAmplitude"));
-  if (p->oscillation_amplitude > 0.0 && !(p->oscillation_frequency > 0.0))
-    return part_fail(PART_ERR_RANGE,
-                     "entry oscillationFrequency: must be positive with oscillationAmplitude %g m",
-                     p->oscillation_amplitude);
-  if (!(p->stop_time >= p->start_time))
-    return part_fail(PART_ERR_RANGE, "entry stopTime: %g s is before startTime %g s", p->stop_time,
-                     p->start_time);
+  part_motion m = dem_wall_motion(p);
+  PART_TRY(part_motion_check(&m));
+  memcpy(p->rotation_axis, m.rotation_axis, sizeof m.rotation_axis);
+  memcpy(p->oscillation_direction, m.oscillation_direction, sizeof m.oscillation_direction);
   return PART_OK;
 }
 

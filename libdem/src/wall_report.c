@@ -21,7 +21,7 @@ void dem_walls_add_impulse(dem_t *dem, double h) {
       continue;
     double work[3] = {0.0, 0.0, 0.0};
     for (int c = 0; c < 3; c++)
-      work[0] -= wall->force[c] * wall->pose.drift[c] + wall->torque[c] * wall->spin[c];
+      work[0] -= wall->force[c] * wall->pose.body.drift[c] + wall->torque[c] * wall->spin[c];
     part_sum_add(&wall->work, work, h);
   }
 }
@@ -47,8 +47,8 @@ int dem_get_wall_report(dem_t *dem, int number, dem_wall_report *report) {
   report->elements = wall->given;
   memcpy(report->spin, wall->spin, sizeof report->spin);
   for (int c = 0; c < 3; c++) {
-    report->centre[c] = wall->params.centre[c] + wall->pose.way[c];
-    report->velocity[c] = wall->pose.drift[c];
+    report->centre[c] = wall->params.centre[c] + wall->pose.body.way[c];
+    report->velocity[c] = wall->pose.body.drift[c];
     report->force[c] = sums[c];
     report->torque[c] = sums[3 + c];
     report->impulse[c] = sums[6 + c];

@@ -15,6 +15,7 @@
 #include <stdint.h>
 
 #include "dem/dem.h"
+#include "particle/motion.h"
 #include "particle/sum.h"
 
 enum { DEM_SHIFTS = 27, DEM_NO_SHIFT = 13 };
@@ -22,10 +23,8 @@ enum dem_element_shape { DEM_SHAPE_PLANE, DEM_SHAPE_CYLINDER, DEM_SHAPE_TRIANGLE
 
 /* Where a wall is: what was given at X is at from + turn (X - centre). */
 typedef struct dem_pose {
-  double angle, turn[3][3];
-  double way[3];               /* m, displacement */
-  double shift[3], from[3];    /* m; way less wrap; centre + shift */
-  double drift[3], gain[3][3]; /* m/s, 1/s: velocity at x is drift + gain (x - from) */
+  part_pose body;           /* velocity at x is drift + gain (x - from) */
+  double shift[3], from[3]; /* m; way less wrap; centre + shift */
 } dem_pose;
 
 typedef struct dem_wall {
@@ -113,6 +112,7 @@ struct dem_t;
 /* ---- wall_params.c: entries of a wall against its type, directions to unit length -------------
  */
 int dem_wall_check(const struct dem_t *dem, dem_wall_params *params);
+part_motion dem_wall_motion(const dem_wall_params *params);
 
 /* ---- stl.c: triangles of an STL file, vertices [count][9] malloc'ed; do they close? Local. ----
  */
