@@ -118,11 +118,12 @@ static int make_sure_of_lists(sph_t *sph, double way) {
 }
 
 /* S.13: half kick, half drift, density where velocities are, half drift, forces, half kick. */
-static int symplectic_step(sph_t *sph, double h) {
+static int symplectic_step(sph_t *sph, double h, double next) {
   const int summation = sph->plan.summation;
   kick(sph, 0.5 * h);
-  PART_TRY(make_sure_of_lists(sph, own_speed(sph) * h));
+  PART_TRY(make_sure_of_lists(sph, fmax(own_speed(sph) * h, sph_walls_way(sph, h))));
   drift(sph, summation ? h : 0.5 * h);
+  sph_walls_move(sph, summation ? next : 0.5 * (sph->time + next));
   PART_TRY(sph_refresh_ghosts(sph));
   PART_TRY(part_agree(sph->comm, sph_density_rates(sph)));
   PART_TRY(sph_make_factors(sph));
@@ -134,6 +135,7 @@ static int symplectic_step(sph_t *sph, double h) {
     drift_with_neighbours(sph, h);
     sph_shift(sph, h);
   }
+  sph_walls_move(sph, next);
   change_eps(sph, h);
   sph_set_states(sph);
   PART_TRY(sph->plan.variable ? sph_hold_lengths(sph) : sph_refresh_ghosts(sph));
@@ -207,19 +209,21 @@ static int middle_rates(sph_t *sph, double h) {
 }
 
 /* S.14: rates at the middle of the step, from a state predicted with those of the last step. */
-static int corrected_step(sph_t *sph, double h) {
-  PART_TRY(make_sure_of_lists(sph, 0.5 * own_speed(sph) * h));
+static int corrected_step(sph_t *sph, double h, double next) {
+  PART_TRY(make_sure_of_lists(sph, 0.5 * fmax(own_speed(sph) * h, sph_walls_way(sph, h))));
   PART_TRY(part_agree(sph->comm, save(sph)));
   predict(sph, 0.5 * h);
   change_eps(sph, 0.5 * h);
+  sph_walls_move(sph, 0.5 * (sph->time + next));
   PART_TRY(middle_rates(sph, h));
   restore(sph);
   kick(sph, 0.5 * h);
-  double way = own_speed(sph) * h * (1.0 + 2.0 * sph->params.xsph + sph_shift_room(sph));
+  double way = fmax(own_speed(sph) * h, sph_walls_way(sph, h)) * (1.0 + 2.0 * sph->params.xsph + sph_shift_room(sph));
   if (MPI_Allreduce(MPI_IN_PLACE, &way, 1, MPI_DOUBLE, MPI_MAX, sph->comm) != MPI_SUCCESS)
     return part_fail(PART_ERR_MPI, "a maximum over ranks failed");
   sph->travel += way; /* of this whole step, that of its middle besides: a bound */
   drift(sph, h);
+  sph_walls_move(sph, next);
   kick(sph, 0.5 * h);
   if (!sph->plan.summation)
     change_density(sph, h);
@@ -243,11 +247,11 @@ static int run(sph_t *sph, double dt, int *steps) {
       return part_fail(PART_ERR_RANGE, "advance by %g s: more than 1e9 steps of %g s", left,
                        longest);
     }
-    const double h = left / ratio;
-    PART_TRY(sph->params.time_scheme == SPH_SYMPLECTIC ? symplectic_step(sph, h)
-                                                       : corrected_step(sph, h));
+    const double h = left / ratio, rest = ratio > 1.0 ? left - h : 0.0;
+    PART_TRY(sph->params.time_scheme == SPH_SYMPLECTIC ? symplectic_step(sph, h, end - rest)
+                                                       : corrected_step(sph, h, end - rest));
     PART_TRY(sph_check_state(sph));
-    left = ratio > 1.0 ? left - h : 0.0;
+    left = rest;
     sph->time = end - left;
     sph->steps++;
     if (steps != NULL)

@@ -93,6 +93,25 @@ const char *sph_wall_name(const sph_t *sph, int wall) {
   return wall >= 0 && wall < sph->walls.count ? sph->walls.wall[wall].name : NULL;
 }
 
+int sph_get_wall_report(sph_t *sph, int number, sph_wall_report *report) {
+  double sums[12];
+  PART_TRY(sph_get_wall_force(sph, number, report->force, report->impulse));
+  const sph_wall *wall = &sph->walls.wall[number];
+  memcpy(sums, wall->torque, 3 * sizeof *sums);
+  part_sum_total(&wall->work, sums + 3);
+  sums[6] = wall->power;
+  PART_TRY(sph_rank_sum(sph, 7, sums));
+  memcpy(report->torque, sums, sizeof report->torque);
+  report->work = sums[3];
+  report->power = sums[6];
+  for (int c = 0; c < 3; c++) {
+    report->centre[c] = wall->motion.centre[c] + wall->pose.way[c];
+    report->velocity[c] = wall->pose.drift[c];
+  }
+  report->angle = wall->pose.angle;
+  return PART_OK;
+}
+
 int sph_get_wall_force(sph_t *sph, int wall, double force[3], double impulse[3]) {
   double sums[6];
   if (!sph->started)

@@ -5,7 +5,7 @@
 #include "internal.h"
 #include "particle/vtkhdf.h"
 
-enum { STATE_VALUES = 13, BUDGET_VALUES = 24, WALL_VALUES = 9 };
+enum { STATE_VALUES = 13, BUDGET_VALUES = 24, WALL_VALUES = 19 };
 
 /* The first are what must be as it was, the others go on. */
 static void pack_state(const sph_t *sph, double value[STATE_VALUES]) {
@@ -47,8 +47,11 @@ static int pack_budget(const sph_t *sph, double **values, size_t *n) {
   to += 6;
   for (int w = 0; w < sph->walls.count; w++) {
     pack_sum(&sph->walls.wall[w].impulse, &to);
+    pack_sum(&sph->walls.wall[w].work, &to);
     memcpy(to, sph->walls.wall[w].force, 3 * sizeof *to);
-    to += 3;
+    memcpy(to + 3, sph->walls.wall[w].torque, 3 * sizeof *to);
+    to[6] = sph->walls.wall[w].power;
+    to += 7;
   }
   return PART_OK;
 }
@@ -64,10 +67,15 @@ static void add_budget(sph_t *sph, const double *from) {
   }
   from += 6;
   for (int w = 0; w < sph->walls.count; w++) {
-    unpack_sum(&sph->walls.wall[w].impulse, &from);
-    for (int c = 0; c < 3; c++)
-      sph->walls.wall[w].force[c] += from[c];
-    from += 3;
+    sph_wall *wall = &sph->walls.wall[w];
+    unpack_sum(&wall->impulse, &from);
+    unpack_sum(&wall->work, &from);
+    for (int c = 0; c < 3; c++) {
+      wall->force[c] += from[c];
+      wall->torque[c] += from[3 + c];
+    }
+    wall->power += from[6];
+    from += 7;
   }
 }
 

@@ -159,6 +159,8 @@ void sph_set_eps_ahead(sph_t *sph, int ahead) {
 }
 void sph_set_time(sph_t *sph, double time) {
   sph->time = time;
+  if (sph->started)
+    sph_walls_move(sph, time);
 }
 part_timers *sph_timers(sph_t *sph) {
   return sph->timers;

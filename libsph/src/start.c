@@ -91,6 +91,7 @@ static int find_plane(sph_t *sph) {
 int sph_start(sph_t *sph) {
   PART_TRY(check(sph));
   PART_TRY(find_plane(sph));
+  PART_TRY(part_agree(sph->comm, sph_walls_prepare(sph)));
   sph_make_plan(sph);
   PART_TRY(sph_choose_loops(sph));
   PART_TRY(part_agree(sph->comm, sph_walls_bins(&sph->walls, sph->reach + sph->skin)));

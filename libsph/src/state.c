@@ -238,12 +238,12 @@ int sph_limits(sph_t *sph, double *step, double *speed) {
   const double nu = p->viscosity / p->density * (p->viscosity_model == SPH_MONAGHAN ? 3.0 : 1.0) +
                     3.0 * p->artificial_viscosity * h * c / (2.0 * ((double)p->dimensions + 2.0));
   *speed = sqrt(most[0]);
-  *step = p->courant * h / (c / sqrt(sph->least_eps) + *speed);
+  *step = p->courant * h / (c / sqrt(sph->least_eps) + fmax(*speed, sph_walls_speed(sph)));
   if (nu > 0.0)
     *step = fmin(*step, p->viscous_fraction * h * h / nu);
   if (most[1] > 0.0)
     *step = fmin(*step, p->force_fraction * sqrt(h / sqrt(most[1])));
-  *step = fmin(*step, sph_walls_longest_step(sph));
+  *step = fmin(*step, fmin(sph_walls_longest_step(sph), sph_walls_motion_step(sph)));
   /* Rates from before the step make S.14 stable to half as far. */
   if (p->time_scheme == SPH_PREDICTOR_CORRECTOR)
     *step *= 0.5;

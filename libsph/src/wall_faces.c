@@ -160,6 +160,7 @@ int sph_walls_bins(sph_walls *walls, double reach) {
 void sph_walls_free(sph_walls *walls) {
   free(walls->wall);
   free(walls->face);
+  free(walls->given);
   free(walls->bins.start);
   free(walls->bins.item);
   free(walls->particle);

@@ -129,6 +129,9 @@ static int take(const sph_t *sph, const sph_fixed *fixed, const double x[3], sph
   p->volume = sph->walls.fixed_volume;
   p->mirror = 1.0;
   p->face = fixed->face;
+  p->pushed = 0.0; /* the point moves with its wall */
+  for (int c = 0; c < 3; c++)
+    p->pushed += p->q[c] * sph->walls.wall[sph->walls.face[fixed->face].wall].pose.drift[c];
   return r2 < sph->reach * sph->reach && r2 > 0.0;
 }
 

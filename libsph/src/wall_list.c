@@ -61,6 +61,12 @@ int sph_walls_list(sph_t *sph) {
   const size_t n = (size_t)sph->store->local;
   int used = 0;
   walls->rows = 0;
+  if (walls->travelling && walls->planes < walls->faces) {
+    free(walls->bins.start);
+    free(walls->bins.item);
+    walls->bins = (sph_bins){.edge = 0.0};
+    PART_TRY(sph_walls_bins(walls, sph->reach + sph->skin));
+  }
   PART_TRY(sph_grow(n + 1, sizeof *walls->particle, &walls->row_room, &walls->particle));
   PART_TRY(sph_grow(n + 1, sizeof *walls->start, &walls->start_room, &walls->start));
   PART_TRY(sph_grow(n + 1, sizeof *sph->shade, &sph->shade_room, &sph->shade));

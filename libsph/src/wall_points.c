@@ -38,7 +38,12 @@ static void find_sides(const sph_t *sph, sph_seer *s) {
     if (at == SPH_SIDES || (at < s->sides && from[at] <= away + sph->walls.tie))
       continue;
     s->sides += at == s->sides;
-    s->side[at] = (sph_side){face->n, height, s->near[k]};
+    s->side[at] = (sph_side){face->n, height, s->near[k], 0.0};
+    if (sph->walls.wall[face->wall].moves) {
+      double u[3];
+      sph_face_velocity(sph, face, s->x, u);
+      s->side[at].speed = dot(u, face->n);
+    }
     from[at] = away;
   }
 }
@@ -105,10 +110,10 @@ double sph_walls_mirror(const sph_t *sph, double behind, double distance) {
  * the velocity. A side counts with what of its normal the sides before it do not have, so that two
  * that look nearly the same way are not counted twice. Were only one counted in a corner, density
  * would not follow the work that the pressure of the corner's points does. */
-static void mirror_sides(const sph_t *sph, const sph_seer *s, const double r[3], double q[3]) {
+static void mirror_sides(const sph_t *sph, const sph_seer *s, const double r[3], sph_point *p) {
   double before[SPH_SIDES][3];
   int n = 0;
-  q[0] = q[1] = q[2] = 0.0;
+  p->q[0] = p->q[1] = p->q[2] = p->pushed = 0.0;
   for (int k = 0; k < s->sides; k++) {
     const sph_side *one = &s->side[k];
     const double along = dot(one->n, r), behind = -(one->distance + along);
@@ -124,9 +129,10 @@ static void mirror_sides(const sph_t *sph, const sph_seer *s, const double r[3],
     const double weight =
         sph_walls_mirror(sph, behind, one->distance) * (n > 0 ? dot(m, r) : along);
     for (int c = 0; c < 3; c++) {
-      q[c] += weight * m[c];
+      p->q[c] += weight * m[c];
       before[n][c] = m[c];
     }
+    p->pushed += weight * one->speed * dot(m, one->n);
     n++;
   }
 }
@@ -149,7 +155,7 @@ static int general_point(const sph_t *sph, const sph_seer *s, const double r[3],
     return 0;
   p->volume = share * sph->cell;
   p->mirror = sph_walls_mirror(sph, behind, distance_before(sph, s, p->face));
-  mirror_sides(sph, s, r, p->q);
+  mirror_sides(sph, s, r, p);
   return 1;
 }
 
@@ -161,6 +167,7 @@ static void plane_point(const sph_t *sph, const sph_seer *s, const lattice *l, d
   p->mirror = sph_walls_mirror(sph, depth, s->distance);
   for (int c = 0; c < 3; c++)
     p->q[c] = -p->mirror * (depth + s->distance) * l->n[c];
+  p->pushed = -p->mirror * (depth + s->distance) * s->side[0].speed;
 }
 
 /* Points of row a of a layer at a depth, behind `n` others; `left`: reach^2 less the squares of

@@ -15,9 +15,9 @@ static int by_table(const sph_t *sph, const sph_seer *s) {
 
 /* Velocity of a particle less that of the ghost: normal part along n, the rest across. */
 static double split(const sph_t *sph, int i, const sph_face *face, double across[3]) {
-  const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
-  const double *wall = sph->walls.wall[face->wall].params.velocity;
-  double normal = 0.0;
+  const double *x = sph_xv(sph) + SPH_XV * (size_t)i, *v = x + 4;
+  double normal = 0.0, wall[3];
+  sph_face_velocity(sph, face, x, wall);
   for (int c = 0; c < 3; c++)
     normal += (v[c] - wall[c]) * face->n[c];
   for (int c = 0; c < 3; c++)
@@ -37,10 +37,7 @@ static void density_of_points(sph_t *sph, int i, sph_seer *s) {
     const sph_point *p = &sph->walls.point[k];
     const double q = sqrt(dot(p->r, p->r)) / h;
     const double f = p->volume * slope_norm * sph_slope(sph->params.kernel, q);
-    double way = dot(p->q, v);
-    if (sph->plan.fixed) /* a point that moves with its wall */
-      way -= dot(p->q, sph->walls.wall[sph->walls.face[p->face].wall].params.velocity);
-    sum[0] -= f * way;
+    sum[0] -= f * (dot(p->q, v) - p->pushed);
     sum[6] -= f * dot(p->r, p->r);
     if (shade != NULL)
       *shade += p->volume * norm * sph_shape(sph->params.kernel, q);
@@ -48,13 +45,12 @@ static void density_of_points(sph_t *sph, int i, sph_seer *s) {
 }
 
 static void density_by_table(sph_t *sph, int i, const sph_seer *s) {
-  const double *v = sph_xv(sph) + SPH_XV * (size_t)i + 4;
   const double per_distance = sph_walls_mirror(sph, 1.0, s->distance) - 1.0;
-  double t[SPH_TABLE_COUNT];
+  double t[SPH_TABLE_COUNT], across[3];
   sph_walls_look_up(sph, s->distance, t);
   sph->sum[SPH_SUMS * (size_t)i] +=
       (t[SPH_TABLE_GRADIENT] + per_distance * t[SPH_TABLE_GRADIENT_DEPTH]) *
-      dot(v, sph->walls.face[s->nearest].n);
+      split(sph, i, &sph->walls.face[s->nearest], across);
   sph->sum[SPH_SUMS * (size_t)i + 6] -=
       t[SPH_TABLE_NORMAL] + (double)(sph->params.dimensions - 1) * t[SPH_TABLE_ACROSS];
   if (sph->plan.summation)
@@ -106,6 +102,19 @@ static double factor_of(const sph_t *sph, int i) {
   return sph->plan.correction ? sph->factor[i] : 1.0;
 }
 
+/* Pressure behind a wall goes on as in a fluid that is at rest, or accelerated with the wall along its
+ * normal: Pa/m at the density of the fluid. */
+static void slope_behind(const sph_t *sph, const sph_face *face, const double x[3], double slope[3]) {
+  double a[3];
+  memcpy(slope, sph->hydrostatic, sizeof sph->hydrostatic);
+  if (!sph->walls.wall[face->wall].moves)
+    return;
+  sph_face_acceleration(sph, face, x, a);
+  const double normal = dot(a, face->n) * sph->params.density;
+  for (int c = 0; c < 3; c++)
+    slope[c] -= normal * face->n[c];
+}
+
 /* Eq. 25: u_ak = u_n n + mirror u_t, without u_t where the fluid slips. Pressure goes on behind the
  * wall as that of a fluid at rest; that of fixed points is no less than the
  * particle's: with that of their density alone (Wu et al. 2018) water 20 particles deep runs
@@ -119,12 +128,13 @@ static void force_of(const sph_t *sph, int i, const sph_point *p, double h, doub
   const double f = p->volume * slope_norm * sph_slope(sph->params.kernel, sqrt(d2) / h);
   const double relative = m[1] / (m[2] * sph->params.density);
   const int slips = sph->walls.wall[face->wall].params.slip == SPH_FREE_SLIP;
-  double u[3], along_d, along_u, pressure = 2.0 * x[7];
+  double u[3], slope[3], along_d, along_u, pressure = 2.0 * x[7];
   const int fixed = sph->plan.fixed;
   const double normal = split(sph, i, face, u);
+  slope_behind(sph, face, x, slope);
   for (int c = 0; c < 3; c++) {
     u[c] = normal * face->n[c] + (slips ? 0.0 : p->mirror * u[c]);
-    pressure += relative * sph->hydrostatic[c] * p->r[c];
+    pressure += relative * slope[c] * p->r[c];
   }
   if (fixed)
     pressure = x[7] + fmax(x[7], sph->params.background_pressure);
@@ -134,13 +144,19 @@ static void force_of(const sph_t *sph, int i, const sph_point *p, double h, doub
 }
 
 static void take_force(sph_t *sph, int i, int face, const double force[3]) {
-  const double volume = sph_xv(sph)[SPH_XV * (size_t)i + 3];
+  const double *x = sph_xv(sph) + SPH_XV * (size_t)i, volume = x[3];
   double *sum = sph->sum + SPH_SUMS * (size_t)i;
-  double *wall = sph->walls.wall[sph->walls.face[face].wall].force;
+  sph_wall *wall = &sph->walls.wall[sph->walls.face[face].wall];
+  double arm[3];
   for (int c = 0; c < 3; c++) {
     sum[c] += force[c];
     sph->wall_force[c] += volume * force[c];
-    wall[c] -= volume * force[c];
+    wall->force[c] -= volume * force[c];
+    arm[c] = x[c] - wall->motion.centre[c] - wall->pose.way[c];
+  }
+  for (int c = 0; c < 3; c++) {
+    const int d = (c + 1) % 3, e = (c + 2) % 3;
+    wall->torque[c] -= volume * (arm[d] * force[e] - arm[e] * force[d]);
   }
 }
 
@@ -171,11 +187,12 @@ static void force_by_table(sph_t *sph, int i, const sph_seer *s) {
   const double *x = sph_xv(sph) + SPH_XV * (size_t)i, *m = sph_mass(sph) + SPH_MASS * (size_t)i;
   const sph_params *p = &sph->params;
   const sph_face *face = &sph->walls.face[s->nearest];
-  const double factor = factor_of(sph, i), *n = face->n, *g = sph->hydrostatic;
+  const double factor = factor_of(sph, i), *n = face->n;
   const double relative = factor * m[1] / (m[2] * p->density);
   const double per_distance = sph_walls_mirror(sph, 1.0, s->distance) - 1.0;
   const int slips = sph->walls.wall[face->wall].params.slip == SPH_FREE_SLIP;
-  double u[3], t[SPH_TABLE_COUNT], force[3];
+  double u[3], t[SPH_TABLE_COUNT], force[3], g[3];
+  slope_behind(sph, face, x, g);
   const double normal = split(sph, i, face, u), g_n = dot(g, n);
   sph_walls_look_up(sph, s->distance, t);
   const double mu = 2.0 * m[2] * (p->viscosity_model == SPH_MORRIS ? p->viscosity : 0.0);
@@ -190,11 +207,27 @@ static void force_by_table(sph_t *sph, int i, const sph_seer *s) {
   take_force(sph, i, s->nearest, force);
 }
 
+/* Of walls as rigid bodies. */
+static void set_powers(sph_walls *walls) {
+  for (int w = 0; w < walls->count && walls->moving; w++) {
+    sph_wall *wall = &walls->wall[w];
+    for (int c = 0; c < 3; c++) {
+      const int d = (c + 1) % 3, e = (c + 2) % 3;
+      const double spin = 0.5 * (wall->pose.gain[e][d] - wall->pose.gain[d][e]);
+      wall->power -= wall->force[c] * wall->pose.drift[c] + wall->torque[c] * spin;
+    }
+  }
+}
+
 int sph_walls_force(sph_t *sph) {
   int status = PART_OK;
   part_timers_start(sph->timers, sph->stage[SPH_STAGE_WALLS]);
-  for (int w = 0; w < sph->walls.count; w++)
-    memset(sph->walls.wall[w].force, 0, sizeof sph->walls.wall[w].force);
+  for (int w = 0; w < sph->walls.count; w++) {
+    sph_wall *wall = &sph->walls.wall[w];
+    memset(wall->force, 0, sizeof wall->force);
+    memset(wall->torque, 0, sizeof wall->torque);
+    wall->power = 0.0;
+  }
   for (int row = 0; status == PART_OK && row < sph->walls.rows; row++) {
     sph_seer s;
     status = sph_walls_see(sph, row, &s);
@@ -207,13 +240,18 @@ int sph_walls_force(sph_t *sph) {
     else
       force_of_points(sph, sph->walls.particle[row], &s);
   }
+  set_powers(&sph->walls);
   part_timers_stop(sph->timers, sph->stage[SPH_STAGE_WALLS]);
   return status;
 }
 
 void sph_walls_add_impulse(sph_t *sph, double h) {
-  for (int w = 0; w < sph->walls.count; w++)
-    part_sum_add(&sph->walls.wall[w].impulse, sph->walls.wall[w].force, h);
+  for (int w = 0; w < sph->walls.count; w++) {
+    sph_wall *wall = &sph->walls.wall[w];
+    const double power[3] = {wall->power, 0.0, 0.0};
+    part_sum_add(&wall->impulse, wall->force, h);
+    part_sum_add(&wall->work, power, h);
+  }
 }
 
 /* Points have the pressure and eps of the particle: they add to the first and last of the sums of

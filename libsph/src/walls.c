@@ -19,12 +19,10 @@ static const char *model_name(const sph_wall_params *p) {
 
 static int check_plane(const sph_t *sph, const sph_wall_params *p, double n[3]) {
   const double length = length_of(p->normal);
-  double along = 0.0, speed = length_of(p->velocity);
   if (!(length > 0.0))
     return part_fail(PART_ERR_RANGE, "entry normal must be given and not zero with type plane");
   for (int c = 0; c < 3; c++) {
     n[c] = p->normal[c] / length;
-    along += n[c] * p->velocity[c];
     if (sph->box.periodic[c] && n[c] != 0.0)
       return part_fail(
           PART_ERR_RANGE,
@@ -34,12 +32,6 @@ static int check_plane(const sph_t *sph, const sph_wall_params *p, double n[3]) 
   }
   if (sph->params.dimensions == 2 && n[2] != 0.0)
     return part_fail(PART_ERR_RANGE, "entry normal: its z component must be 0 with dimensions 2");
-  if (fabs(along) > 1e-12 * speed)
-    return part_fail(
-        PART_ERR_RANGE,
-        "entry velocity: %g m/s along the normal; walls do not move, only their surface "
-        "does",
-        along);
   return PART_OK;
 }
 
@@ -48,8 +40,6 @@ static int check_triangles(const sph_wall_params *p, int count, const double *ve
     return part_fail(PART_ERR_ARGUMENT, "type triangles needs triangles");
   if (length_of(p->normal) > 0.0 || length_of(p->point) > 0.0)
     return part_fail(PART_ERR_RANGE, "entries point and normal belong to type plane");
-  if (length_of(p->velocity) > 0.0)
-    return part_fail(PART_ERR_RANGE, "entry velocity belongs to type plane");
   for (int k = 0; k < 9 * count; k++)
     if (!isfinite(vertices[k]))
       return part_fail(PART_ERR_NUMERIC, "triangle %d is not finite", k / 9);
@@ -67,8 +57,6 @@ static int check_model(const sph_t *sph, const sph_wall_params *p) {
     return refuse(p, "slip", "must be freeSlip, because the wall acts along its normal alone,");
   if (p->model == SPH_WALL_fixed && p->slip != SPH_NO_SLIP)
     return refuse(p, "slip", "must be noSlip, because the points are at rest,");
-  if (!points && length_of(p->velocity) > 0.0)
-    return refuse(p, "velocity", "must be 0, because the wall acts along its normal alone,");
   if (p->model != SPH_WALL_ghost && sph->params.density_scheme == SPH_SUMMATION)
     return part_fail(
         PART_ERR_RANGE,
@@ -134,14 +122,16 @@ static int add_faces(sph_t *sph, const sph_wall_params *p, const double n[3], in
   return PART_OK;
 }
 
-static int add_wall(sph_t *sph, const char *name, const sph_wall_params *params, int count,
+static int add_wall(sph_t *sph, const char *name, const sph_wall_params *given, int count,
                     const double *vertices) {
   sph_walls *walls = &sph->walls;
+  sph_wall_params own = *given, *params = &own;
   double n[3] = {0.0, 0.0, 0.0};
   PART_TRY(part_params_check(&sph_wall_table, params));
   PART_TRY(params->type == SPH_PLANE ? check_plane(sph, params, n)
                                      : check_triangles(params, count, vertices));
   PART_TRY(check_model(sph, params));
+  PART_TRY(sph_wall_check_motion(sph, params));
   if (params->type == SPH_PLANE && count > 0)
     return part_fail(PART_ERR_ARGUMENT, "type plane has no triangles");
   sph_wall *wall = realloc(walls->wall, ((size_t)walls->count + 1) * sizeof *wall);

@@ -8,6 +8,7 @@
 #include <stddef.h>
 
 #include "sph/sph.h"
+#include "particle/motion.h"
 #include "particle/sum.h"
 
 typedef struct sph_face {
@@ -27,8 +28,13 @@ typedef struct sph_wall_place {
 typedef struct sph_wall {
   char name[PART_PARAM_WORD_LENGTH];
   sph_wall_params params;
-  double force[3];  /* N, of own particles on it, now */
-  part_sum impulse; /* N s */
+  int moves, turns, travels; /* travels: its faces move, not its surface alone */
+  part_motion motion;
+  part_pose pose;
+  double sweep;            /* m, largest distance of a corner from the axis */
+  double force[3];         /* N, of own particles on it, now */
+  double torque[3], power; /* N m, W: the same; power: of the wall on them */
+  part_sum impulse, work;  /* N s; J, first component */
 } sph_wall;
 
 /* Bins of triangles: those within reach of some point of the bin. */
@@ -43,7 +49,8 @@ typedef struct sph_point {
   double r[3];   /* m, from the particle */
   double volume; /* m3 */
   double mirror; /* 1 + d_k/d_a of the deepest wall, Markauskas et al. 2017, eq. 25 */
-  double q[3];   /* m, so that u_ak.r = q.u_a with the velocity of eq. 26 */
+  double q[3];   /* m, so that u_ak.r = q.u_a - pushed with the velocity of eq. 26 */
+  double pushed; /* m2/s, by the velocities of the walls */
   int face;      /* of the deepest wall */
 } sph_point;
 
@@ -74,9 +81,10 @@ typedef struct sph_fixed_grid {
 
 typedef struct sph_walls {
   int count, faces, planes; /* the planes come first */
+  int moving, travelling;   /* one of them does; its faces do */
   double tie;               /* m, distances that differ by less are the same */
   sph_wall *wall;
-  sph_face *face;
+  sph_face *face, *given; /* now; as they were given (NULL: none travels) */
   sph_bins bins;
   /* Rows: only particles that have a near face. */
   int rows;
@@ -98,6 +106,7 @@ typedef struct sph_side {
   const double *n;
   double distance; /* m, of its plane */
   int face;
+  double speed; /* m/s, of the wall along n */
 } sph_side;
 enum { SPH_SIDES = 6 };
 
@@ -126,6 +135,23 @@ int sph_faces_nearest(const sph_walls *walls, int n, const int *near, const doub
                       double *distance);
 int sph_walls_bins(sph_walls *walls, double reach);
 void sph_walls_free(sph_walls *walls);
+
+/* ---- wall_motion.c -----------------------------------------------------------------------------
+ */
+/* Entries of motion against type and model; directions to unit length. */
+int sph_wall_check_motion(const struct sph_t *sph, sph_wall_params *params);
+/* Once, when all walls are there. */
+int sph_walls_prepare(struct sph_t *sph);
+/* Poses and faces of time t. */
+void sph_walls_move(struct sph_t *sph, double t);
+/* Velocity and acceleration of a face's wall at the foot of x on its plane. */
+void sph_face_velocity(const struct sph_t *sph, const sph_face *face, const double x[3], double u[3]);
+void sph_face_acceleration(const struct sph_t *sph, const sph_face *face, const double x[3],
+                           double a[3]);
+/* Bounds: way of any face within h (m), speed of any surface (m/s); longest step that resolves motions. */
+double sph_walls_way(const struct sph_t *sph, double h);
+double sph_walls_speed(const struct sph_t *sph);
+double sph_walls_motion_step(const struct sph_t *sph);
 
 /* ---- wall_list.c: near faces of every own particle
  * ----------------------------------------------- */

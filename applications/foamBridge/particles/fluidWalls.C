@@ -274,6 +274,15 @@ DynamicList<fluidWall> fluidWalls
   }
   for (label k = 0; k < planes.size() && flat; ++k) flat = bounds(mesh, planes[k].params, size);
   for (label k = 0; k < planes.size() && flat; ++k) flat = apart(planes, k, open, size);
+  for (const fluidWall& w : patches)
+  {
+    if (!flat && mag(vector(w.params.velocity[0], w.params.velocity[1], w.params.velocity[2])) > 0)
+    {
+      FatalErrorInFunction
+          << "file " << path << ": patch " << w.name << " has a velocity (fixedValue), which sphDemFoam has for the flat"
+          << " walls of a convex container alone; here it must be noSlip or slip" << exit(FatalError);
+    }
+  }
   return flat ? planes : patches;
 }
 

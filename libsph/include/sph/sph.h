@@ -2,7 +2,7 @@
 /* libsph: smoothed particle hydrodynamics. An sph_t holds the particles of a weakly compressible
  * fluid and its walls, and advances them under gravity and a force that whoever couples puts in. The
  * equations are those of a fluid averaged over the solids in it (Robinson et al. 2014; Markauskas et
- * al. 2017): doc/equations.md, S.1 to S.26.
+ * al. 2017): doc/equations.md, S.1 to S.28.
  *
  * SI units. Status returns as in particle/status.h. Calls marked collective are made by all ranks
  * of the communicator together; the others are local. */
@@ -95,7 +95,7 @@ typedef struct sph_insert {
 } sph_insert;
 extern const part_param_table sph_insert_table;
 
-/* Walls stand still; their surface may slide. */
+/* A wall and its motion, which is that of particle/motion.h: a function of time alone. */
 typedef enum { SPH_PLANE, SPH_TRIANGLES } sph_wall_type;
 typedef enum { SPH_NO_SLIP, SPH_FREE_SLIP } sph_wall_slip;
 enum sph_wall_model { /* rows of sph/wall_models.def */
@@ -109,7 +109,10 @@ enum sph_wall_model { /* rows of sph/wall_models.def */
 typedef struct sph_wall_params {
   int type, slip, model;
   double point[3], normal[3]; /* m, 1 */
-  double velocity[3];         /* m/s */
+  double velocity[3], centre[3];                          /* m/s, m */
+  double rotation_axis[3], rotation_rate;                 /* 1, rad/s */
+  double oscillation_amplitude, oscillation_frequency;    /* m, Hz */
+  double oscillation_direction[3], start_time, stop_time; /* 1, s */
   int64_t layers;                /* of fixedPoints */
   double stiffness, restitution; /* N/m, 1: of springDashpot */
 } sph_wall_params;
@@ -217,6 +220,14 @@ int sph_wall_count(const sph_t *sph); /* numbers 0, 1, ... in the order they wer
 const char *sph_wall_name(const sph_t *sph, int wall); /* NULL: no such wall */
 /* Collective. Force of the fluid on a wall now (N) and its impulse since the start (N s). */
 int sph_get_wall_force(sph_t *sph, int wall, double force[3], double impulse[3]);
+typedef struct sph_wall_report {
+  double force[3], impulse[3]; /* of the fluid on it: N; N s since the start */
+  double torque[3];            /* N m, about its centre now */
+  double power, work;          /* of the wall on the fluid by its motion: W; J since the start */
+  double centre[3], velocity[3], angle; /* m, m/s, rad: of its motion now */
+} sph_wall_report;
+/* Collective. */
+int sph_get_wall_report(sph_t *sph, int wall, sph_wall_report *report);
 
 /* The scene plan as text lines "what | why | saves". Local. */
 int sph_plan_text(const sph_t *sph, size_t size, char *text);
