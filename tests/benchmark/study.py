@@ -38,7 +38,7 @@ STUDIES = {
                        why={CFD: 'has no free surface'}),
     'flow': Study(flow, 'cfdDemFoam/porousBlockFlow', [(3, 3, 7), (7, 7, 16), (7, 7, 32), (21, 21, 48)], [6, 7, 8, 9],
                   'cells, particles across the width', 'speed', cells),
-    'settling': Study(settling, 'cfdDemFoam/porousBlockSettling', [(3, 3, 8), (7, 7, 16), (7, 7, 32), (21, 21, 48)], [7, 9, 11, 14],
+    'settling': Study(settling, 'cfdDemFoam/porousBlockSettling', [(3, 3, 8), (7, 7, 16), (7, 7, 32), (21, 21, 48)], [7, 8, 9, 11],
                       'cells, particles across the width', 'speed', cells),
     'sphere': Study(sphere, 'cfdDemFoam/singleSphere', [5, 7, 11, 15], [7, 10, 14, 20], 'across the width', 'speed'),
     'sps': Study(sps, 'sphDemFoam/sps', [6, 5, 4, 3], [6, 5, 4, 3], 'across the width', 'speed', lambda ratio: str(round(6 * 10 / ratio))),

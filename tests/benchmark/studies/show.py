@@ -13,7 +13,7 @@ def report(row):
         print('FAILED %s: %s' % (name, row['failed']), flush=True)
         return
     print('metric %s.error %.4g 1' % (name, row['error']))
-    for key in ('fromSharp', 'fromUniform'):
+    for key in ('fromSharp', 'fromUniform', 'fromOwn'):
         if key in row:
             print('metric %s.%s %.4g 1' % (name, key, row[key]))
     print('metric %s.seconds %.4g s' % (name, row['seconds']), flush=True)
@@ -30,7 +30,7 @@ NOTES = {
 def note(row):
     if row['case'] in NOTES:
         return NOTES[row['case']](row)
-    for key, text in (('fromSharp', 'from a sharp block'), ('fromUniform', 'from uniform porosity')):
+    for key, text in (('fromSharp', 'from a sharp block'), ('fromUniform', 'from uniform porosity'), ('fromOwn', 'from the speed at its cell\'s porosity')):
         if key in row:
             return '%s %+.2f %%' % (text, 100 * row[key])
     return ''
