@@ -32,13 +32,13 @@ def cells(n):
 
 STUDIES = {
     'poiseuille': Study(poiseuille, 'sphDemFoam/poiseuille', [8, 16, 32, 64], [13, 19, 26, 38], 'across the gap', 'rms, of the peak'),
-    'cylinderLattice': Study(cylinder_lattice, 'sphDemFoam/cylinderLattice', [8, 16, 24, 32], [24, 36, 50, 72],
+    'cylinderLattice': Study(cylinder_lattice, 'sphDemFoam/cylinderLattice', [8, 12, 16, 24], [24, 36, 50, 72],
                              'cells on a quarter of the cylinder, particles across the cell', 'largest on two lines, of the peak'),
     'stillTank': Study(still_tank, 'sphDemFoam/stillTank', [], [7, 8, 10, 12], 'across the width', 'largest of the pressure, of the floor\'s',
                        why={CFD: 'has no free surface'}),
     'flow': Study(flow, 'cfdDemFoam/porousBlockFlow', [(3, 3, 7), (7, 7, 16), (7, 7, 32), (21, 21, 48)], [6, 7, 8, 9],
                   'cells, particles across the width', 'speed', cells),
-    'settling': Study(settling, 'cfdDemFoam/porousBlockSettling', [(3, 3, 8), (7, 7, 16), (7, 7, 32), (21, 21, 48)], [7, 8, 9, 11],
+    'settling': Study(settling, 'cfdDemFoam/porousBlockSettling', [(3, 3, 8), (7, 7, 16), (7, 7, 24), (7, 7, 32)], [7, 8, 9, 11],
                       'cells, particles across the width', 'speed', cells),
     'sphere': Study(sphere, 'cfdDemFoam/singleSphere', [5, 7, 11, 15], [7, 10, 14, 20], 'across the width', 'speed'),
     'sps': Study(sps, 'sphDemFoam/sps', [6, 5, 4, 3], [6, 5, 4, 3], 'across the width', 'speed', lambda ratio: str(round(6 * 10 / ratio))),
@@ -98,10 +98,10 @@ def runs(rows, chosen, options, name):
 
 
 def in_order(rows):
-    labels = {case: [s.label(n) for n in s.resolutions[CFD] + s.resolutions[SPH]] for case, s in STUDIES.items()}
-    rows = [r for r in rows if r['resolution'] in labels.get(r['case'], ())]  # those of an older list are not drawn
+    labels = {(case, solver): [s.label(n) for n in s.resolutions[solver]] for case, s in STUDIES.items() for solver in SOLVERS}
+    rows = [r for r in rows if r['resolution'] in labels.get((r['case'], r['solver']), ())]  # those of an older list are not drawn
     return sorted(rows, key=lambda r: (list(STUDIES).index(r['case']), SOLVERS.index(r['solver']),
-                                       labels[r['case']].index(r['resolution'])))
+                                       labels[r['case'], r['solver']].index(r['resolution'])))
 
 
 def main():

@@ -57,9 +57,10 @@ def table(rows, studies, out):
 
 
 def limits(values):
-    """Half a decade beyond them, in whole decades where there are several."""
-    low, high = np.log10(min(values)) - 0.25, np.log10(max(values)) + 0.35
-    return 10 ** low, 10 ** high
+    """A third of a decade beyond them, and at least 1.2 decades, so that there is one with a number."""
+    low, high = np.log10(min(values)) - 0.3, np.log10(max(values)) + 0.35
+    more = max(0.0, 1.2 - (high - low)) / 2
+    return 10 ** (low - more), 10 ** (high + more)
 
 
 PLACES = ((0, 5, 'center', 'bottom'), (0, -6, 'center', 'top'), (6, 0, 'left', 'center'), (-6, 0, 'right', 'center'),
@@ -91,6 +92,7 @@ def along(points):
 
 
 def panel(ax, rows, study, case, look):
+    from matplotlib.ticker import NullFormatter
     good = [r for r in rows if 'failed' not in r]
     rounded = [r for r in good if r['error'] < ROUND_OFF]
     visible = [100 * r['error'] for r in good if r['error'] >= ROUND_OFF]
@@ -107,6 +109,8 @@ def panel(ax, rows, study, case, look):
         for r, a, b in zip(points, x, y):
             ax.plot(a, b, mark, color=colour, mfc='white' if r in rounded else colour)
         labels.append(([(a, b, r['resolution'].split('=')[-1]) for r, a, b in zip(points, x, y)], colour, first))
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_minor_formatter(NullFormatter())
     if good:
         ax.set_xlim(limits([max(r['seconds'], 1e-2) for r in good]))
         ax.set_ylim(limits(visible + [floor] * bool(rounded)))
