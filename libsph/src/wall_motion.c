@@ -23,7 +23,8 @@ static part_motion motion_of(const sph_wall_params *p) {
   return m;
 }
 
-/* ---- what is allowed --------------------------------------------------------------------------- */
+/* ---- what is allowed ---------------------------------------------------------------------------
+ */
 static double across(const double a[3], const double b[3]) {
   const double n[3] = {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
                        a[0] * b[1] - a[1] * b[0]};
@@ -36,7 +37,7 @@ static int check_model(const sph_wall_params *p, int sliding) {
     return PART_OK;
   return part_fail(PART_ERR_RANGE,
                    "entry %s: must be 0 with the wall's model; walls move with model ghostPoints%s",
-                   p->rotation_rate != 0.0              ? "rotationRate"
+                   p->rotation_rate != 0.0          ? "rotationRate"
                    : p->oscillation_amplitude > 0.0 ? "oscillationAmplitude"
                                                     : "velocity",
                    p->model == SPH_WALL_fixed ? ", planes along themselves with fixedPoints" : "");
@@ -50,17 +51,18 @@ static int check_periodic(const sph_t *sph, const sph_wall_params *p) {
     if (!sph->box.periodic[c] && !(c == 2 && sph->params.dimensions == 2))
       continue;
     if (p->rotation_rate != 0.0 && across(p->rotation_axis, along) > 1e-9)
-      return part_fail(PART_ERR_RANGE,
-                       "entry rotationAxis: must be along %c, %s, so that the wall turns in itself",
-                       "xyz"[c],
-                       sph->box.periodic[c] ? "in which the domain is periodic" : "with dimensions 2");
+      return part_fail(
+          PART_ERR_RANGE,
+          "entry rotationAxis: must be along %c, %s, so that the wall turns in itself", "xyz"[c],
+          sph -> box.periodic[c] ? "in which the domain is periodic" : "with dimensions 2");
     if (p->type == SPH_PLANE)
       continue;
     if (p->velocity[c] != 0.0 ||
         (p->oscillation_amplitude > 0.0 && p->oscillation_direction[c] != 0.0))
       return part_fail(PART_ERR_RANGE, "entry %s: triangles can not move along %c, %s",
                        p->velocity[c] != 0.0 ? "velocity" : "oscillationDirection", "xyz"[c],
-                       sph->box.periodic[c] ? "in which the domain is periodic" : "with dimensions 2");
+                       sph -> box.periodic[c] ? "in which the domain is periodic"
+                                              : "with dimensions 2");
   }
   return PART_OK;
 }
@@ -72,18 +74,20 @@ int sph_wall_check_motion(const sph_t *sph, sph_wall_params *p) {
   memcpy(p->oscillation_direction, m.oscillation_direction, sizeof m.oscillation_direction);
   if (!part_motion_moves(&m))
     return PART_OK;
-  const int along = p->type == SPH_PLANE && m.rotation_rate == 0.0 && m.oscillation_amplitude == 0.0 &&
-                    fabs(dot(p->velocity, p->normal)) <=
-                        1e-12 * length_of(p->velocity) * length_of(p->normal);
+  const int along =
+      p->type == SPH_PLANE && m.rotation_rate == 0.0 && m.oscillation_amplitude == 0.0 &&
+      fabs(dot(p->velocity, p->normal)) <= 1e-12 * length_of(p->velocity) * length_of(p->normal);
   PART_TRY(check_model(p, along));
   if (p->type == SPH_PLANE && m.rotation_rate != 0.0 &&
       across(m.rotation_axis, p->normal) > 1e-9 * length_of(p->normal))
-    return part_fail(PART_ERR_RANGE,
-                     "entry rotationAxis: a plane has no end, so it can turn only about its normal");
+    return part_fail(
+        PART_ERR_RANGE,
+        "entry rotationAxis: a plane has no end, so it can turn only about its normal");
   return check_periodic(sph, p);
 }
 
-/* ---- where they are ---------------------------------------------------------------------------- */
+/* ---- where they are ----------------------------------------------------------------------------
+ */
 static double off_axis(const part_motion *m, const double x[3]) {
   const double d[3] = {x[0] - m->centre[0], x[1] - m->centre[1], x[2] - m->centre[2]};
   return across(d, m->rotation_axis);
@@ -118,9 +122,10 @@ int sph_walls_prepare(sph_t *sph) {
     const sph_face *face = &walls->face[f];
     sph_wall *wall = &walls->wall[face->wall];
     if (wall->turns && face->type == SPH_TRIANGLES)
-      wall->sweep = fmax(wall->sweep, fmax(off_axis(&wall->motion, face->a),
-                                           fmax(off_axis(&wall->motion, face->b),
-                                                off_axis(&wall->motion, face->c))));
+      wall->sweep =
+          fmax(wall->sweep,
+               fmax(off_axis(&wall->motion, face->a),
+                    fmax(off_axis(&wall->motion, face->b), off_axis(&wall->motion, face->c))));
   }
   sph_walls_move(sph, sph->time);
   return PART_OK;
@@ -155,9 +160,11 @@ void sph_walls_move(sph_t *sph, double t) {
   }
 }
 
-/* ---- how fast ---------------------------------------------------------------------------------- */
+/* ---- how fast ----------------------------------------------------------------------------------
+ */
 /* From the wall's centre to the foot of x. */
-static void lever_of(const sph_wall *wall, const sph_face *face, const double x[3], double lever[3]) {
+static void lever_of(const sph_wall *wall, const sph_face *face, const double x[3],
+                     double lever[3]) {
   const double d[3] = {x[0] - face->a[0], x[1] - face->a[1], x[2] - face->a[2]};
   const double height = dot(d, face->n);
   for (int c = 0; c < 3; c++)

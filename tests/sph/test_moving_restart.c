@@ -1,7 +1,7 @@
 /* ranks: 1 3 */
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Walls that move: going on from a file is bit for bit the same, any number of ranks gives the same to
- * round-off. A square paddle turns and swings in a tank whose floor goes up and down. */
+/* Walls that move: going on from a file is bit for bit the same, any number of ranks gives the same
+ * to round-off. A square paddle turns and swings in a tank whose floor goes up and down. */
 #include "common.h"
 
 enum { ACROSS = 24, MOST = ACROSS * ACROSS };
@@ -87,9 +87,10 @@ static void same_on_any_ranks(void **state) {
   OK(sph_get_wall_report(b, 3, &there));
   OK(sph_get_report(b, &report));
   if (world_rank() == 0)
-    print_message("one rank and all: positions differ by %.1e m, paddle: torque %.6g, work %.6g, budget "
-                  "%.1e\n",
-                  worst, there.torque[2], there.work, report.budget_error);
+    print_message(
+        "one rank and all: positions differ by %.1e m, paddle: torque %.6g, work %.6g, budget "
+        "%.1e\n",
+        worst, there.torque[2], there.work, report.budget_error);
   CLOSE(worst, 0.0, 1e-12);
   CLOSE(there.torque[2] / here.torque[2], 1.0, 1e-6);
   CLOSE(there.work / here.work, 1.0, 1e-8);
@@ -148,7 +149,8 @@ static void bad_motions(void **state) {
     bad = of;                                                                                      \
     change;                                                                                        \
     FAILS(PART_ERR_RANGE, wanted,                                                                  \
-          sph_add_wall(sph, "a", &bad, bad.type == SPH_TRIANGLES, bad.type == SPH_PLANE ? NULL : v)); \
+          sph_add_wall(sph, "a", &bad, bad.type == SPH_TRIANGLES,                                  \
+                       bad.type == SPH_PLANE ? NULL : v));                                         \
   } while (0)
   REFUSED("wall a: entry rotationAxis: a vector", plane, bad.rotation_rate = 1.0);
   REFUSED("about its normal", plane, (bad.rotation_rate = 1.0, bad.rotation_axis[2] = 1.0));

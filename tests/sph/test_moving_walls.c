@@ -66,8 +66,8 @@ static void starting_couette(void **state) {
     const double t[] = {0.0, 0.1, 0.4, 2.4};
     OK(sph_advance(sph, t[k] - t[k - 1], NULL));
     const double most = furthest(sph, starting, t[k]) / 0.01;
-    print_message("Couette flow %.1f s after the start: %.3f %% of the speed of the wall off\n", t[k],
-                  100.0 * most);
+    print_message("Couette flow %.1f s after the start: %.3f %% of the speed of the wall off\n",
+                  t[k], 100.0 * most);
     CLOSE(most, 0.0, 0.005);
   }
   OK(sph_get_wall_report(sph, 0, &r));
@@ -105,13 +105,15 @@ static void oscillating_plate(void **state) {
   sph_destroy(sph);
 }
 
-/* ---- surfaces of triangles --------------------------------------------------------------------- */
+/* ---- surfaces of triangles ---------------------------------------------------------------------
+ */
 /* Cylinder along z, triangles from -deep to deep; outward: normals away from the axis. */
 static int cylinder(double radius, int sides, double deep, int outward, double *v) {
   for (int k = 0; k < sides; k++) {
     const double a = 2.0 * PI * (outward ? k : k + 1) / sides,
                  b = 2.0 * PI * (outward ? k + 1 : k) / sides;
-    const double p[2] = {radius * cos(a), radius * sin(a)}, q[2] = {radius * cos(b), radius * sin(b)};
+    const double p[2] = {radius * cos(a), radius * sin(a)},
+                 q[2] = {radius * cos(b), radius * sin(b)};
     const double two[18] = {p[0], p[1], -deep, q[0], q[1], -deep, q[0], q[1], deep,
                             p[0], p[1], -deep, q[0], q[1], deep,  p[0], p[1], deep};
     memcpy(v + 18 * k, two, sizeof two);
@@ -120,8 +122,8 @@ static int cylinder(double radius, int sides, double deep, int outward, double *
 }
 
 /* Gap of 10 spacings, inner radius 10, inner cylinder turning. Closed form: u = A r + B/r,
- * torque 4 pi mu B per length. S.8 is mu times the Laplacian of u, so that a wall gets mu du/dn, which
- * of one that turns lacks 2 mu omega times its cross section; S.9 keeps angular momentum. */
+ * torque 4 pi mu B per length. S.8 is mu times the Laplacian of u, so that a wall gets mu du/dn,
+ * which of one that turns lacks 2 mu omega times its cross section; S.9 keeps angular momentum. */
 enum { SIDES = 64, RING = 2000 };
 static void turning(int model) {
   const double dx = 0.001, r1 = 0.01, r2 = 0.02, omega = 0.5, nu = 1e-4;
@@ -173,10 +175,11 @@ static void turning(int model) {
     const double r = hypot(y[0], y[1]), around = (y[0] * u[1] - y[1] * u[0]) / r;
     square += (around - a * r - b / r) * (around - a * r - b / r) / view.own;
   }
-  print_message("Taylor-Couette: velocity off by %.2f %% of that of the wall, torques %.4f and %.4f of "
-                "the closed form, power %.4f\n",
-                100.0 * sqrt(square) / (omega * r1), -inner.torque[2] / torque,
-                outer.torque[2] / torque, inner.power / (torque * omega));
+  print_message(
+      "Taylor-Couette: velocity off by %.2f %% of that of the wall, torques %.4f and %.4f of "
+      "the closed form, power %.4f\n",
+      100.0 * sqrt(square) / (omega * r1), -inner.torque[2] / torque, outer.torque[2] / torque,
+      inner.power / (torque * omega));
   CLOSE(sqrt(square) / (omega * r1), 0.0, 0.03);
   CLOSE(-inner.torque[2] / torque, 1.0 - lacks, 0.06);
   CLOSE(outer.torque[2] / torque, 1.0, 0.06);
@@ -192,9 +195,10 @@ static void taylor_couette(void **state) {
   turning(SPH_MONAGHAN);
 }
 
-/* ---- walls whose place changes ----------------------------------------------------------------- */
-/* Column of water on a floor that goes up and down: it weighs m (g + a), and takes up the work of the
- * floor. The slowest sound wave of the column goes through it 60 times in a period. */
+/* ---- walls whose place changes -----------------------------------------------------------------
+ */
+/* Column of water on a floor that goes up and down: it weighs m (g + a), and takes up the work of
+ * the floor. The slowest sound wave of the column goes through it 60 times in a period. */
 static scene column(sph_wall_params *wall) {
   scene s = scene_2d(10.0 * spacing, 3.0 * height, spacing);
   s.box.periodic[0] = 1;
@@ -249,8 +253,8 @@ static void piston(void **state) {
     double impulse = 0.0, wanted = 0.0;
     OK(sph_get_wall_report(sph, 0, &r));
     impulse = -r.impulse[1];
-    wanted = -10.0 * 0.00625 - 2.0 * spacing * omega *
-                                   (cos(omega * 0.00625 * k) - cos(omega * 0.00625 * (k - 1)));
+    wanted = -10.0 * 0.00625 -
+             2.0 * spacing * omega * (cos(omega * 0.00625 * k) - cos(omega * 0.00625 * (k - 1)));
     OK(sph_advance(sph, 0.00625, NULL));
     OK(sph_get_wall_report(sph, 0, &r));
     impulse += r.impulse[1];
@@ -259,9 +263,10 @@ static void piston(void **state) {
   }
   OK(sph_get_report(sph, &report));
   const double gained = energy(sph) - before;
-  print_message("piston: force %.2f %% of the weight off, work of the floor %.5g J, taken up %.5g J, "
-                "budget %.1e\n",
-                100.0 * most, r.work, gained, report.budget_error);
+  print_message(
+      "piston: force %.2f %% of the weight off, work of the floor %.5g J, taken up %.5g J, "
+      "budget %.1e\n",
+      100.0 * most, r.work, gained, report.budget_error);
   CLOSE(most, 0.0, 0.03);
   CLOSE(r.work / gained, 1.0, 0.02);
   CLOSE(report.budget_error, 0.0, 1e-12);

@@ -123,8 +123,8 @@ static lattice makeLattice(const IOdictionary& dict, const part_box& box, const 
   return l;
 }
 
-/* Lattice points with their centre in a cell, and room beside it: where a wall cuts through the lattice, a particle just
- * in front of it would begin with far too many ghosts. The same list on every rank, whatever the decomposition. */
+/* Lattice points with their centre in a cell: 2 with room beside it, 1 without: where a wall cuts through the lattice, a
+ * particle just in front of it would begin with far too many ghosts. The same list on every rank, whatever the decomposition. */
 static std::vector<char> insideMesh(const polyMesh& mesh, const lattice& l)
 {
   const scalar room = 0.3; // of a spacing, along the axes
@@ -146,8 +146,60 @@ static std::vector<char> insideMesh(const polyMesh& mesh, const lattice& l)
   }
   MPI_Allreduce(MPI_IN_PLACE, inside.data(), l.size(), MPI_UNSIGNED_CHAR, MPI_BOR, particleCommunicator());
   std::vector<char> whole(inside.size());
-  for (std::size_t k = 0; k < inside.size(); ++k) whole[k] = inside[k] == 127;
+  for (std::size_t k = 0; k < inside.size(); ++k) whole[k] = inside[k] == 127 ? 2 : inside[k] & 1;
   return whole;
+}
+
+/* Half a spacing away from the walls, in three goes for a corner. False: there is no wall so near, or no such place. */
+static bool moveFromWalls(const sph_t* sph, const sph_params& params, point& x)
+{
+  const scalar room = 0.5*params.spacing, small = 1e-4*params.spacing;
+  scalar distance = sph_wall_distance(sph, x.cdata());
+  if (!(distance < room)) return false;
+  for (label go = 0; go < 3 && distance < 0.999*room; ++go)
+  {
+    vector normal(Zero);
+    for (direction d = 0; d < direction(params.dimensions); ++d)
+    {
+      point beside(x);
+      beside[d] += small;
+      normal[d] = sph_wall_distance(sph, beside.cdata()) - distance;
+    }
+    x += (room - distance)*normal/max(mag(normal), VSMALL);
+    distance = sph_wall_distance(sph, x.cdata());
+  }
+  return distance > 0.9*room;
+}
+
+/* What fills the mesh: without the points that have no room, the fluid would be some 0.3 spacings thinner at each wall
+ * that cuts through the lattice, and slip there. */
+static List<point> filledPoints(const sph_t* sph, const polyMesh& mesh, const lattice& l, const sph_params& params)
+{
+  const std::vector<char> inside(insideMesh(mesh, l));
+  std::vector<label> near;
+  for (label k = 0; k < l.size(); ++k)
+  {
+    if (inside[k] == 1) near.push_back(k);
+  }
+  std::vector<double> moved(4*near.size(), 0.0); // x y z, is there one?
+  for (std::size_t j = Pstream::myProcNo(); j < near.size(); j += Pstream::nProcs())
+  {
+    point x(l.at(near[j]));
+    if (!moveFromWalls(sph, params, x)) continue;
+    for (direction d = 0; d < 3; ++d) moved[4*j + d] = x[d];
+    moved[4*j + 3] = 1;
+  }
+  MPI_Allreduce(MPI_IN_PLACE, moved.data(), int(moved.size()), MPI_DOUBLE, MPI_SUM, particleCommunicator());
+  DynamicList<point> points;
+  std::size_t j = 0;
+  for (label k = 0; k < l.size(); ++k)
+  {
+    if (inside[k] == 2) points.append(l.at(k));
+    if (inside[k] != 1) continue;
+    if (moved[4*j + 3] > 0) points.append(point(moved[4*j], moved[4*j + 1], moved[4*j + 2]));
+    ++j;
+  }
+  return List<point>(points);
 }
 
 /* dp = rho d(work) with the density of S.3: rho_0 work but for c, whose fluid would sink until it is that dense. */
@@ -164,12 +216,7 @@ static void fillMesh
 )
 {
   const lattice l(makeLattice(dict, box, params));
-  const std::vector<char> inside(insideMesh(mesh, l));
-  DynamicList<label> filled;
-  for (label k = 0; k < l.size(); ++k)
-  {
-    if (inside[k]) filled.append(k);
-  }
+  const List<point> filled(filledPoints(sph, mesh, l, params));
   const scalar cell = l.side.x()*l.side.y()*l.side.z();
   const long long rank = Pstream::myProcNo(), ranks = Pstream::nProcs();
   const label first = label(filled.size()*rank/ranks), last = label(filled.size()*(rank + 1)/ranks);
@@ -177,7 +224,7 @@ static void fillMesh
   List<double> volume(last - first, cell), pressure(last - first);
   for (label k = first; k < last; ++k)
   {
-    const point x(l.at(filled[k]));
+    const point& x = filled[k];
     scalar work = 0; // of gravity from the surface, m2/s2
     for (direction d = 0; d < 3; ++d)
     {
