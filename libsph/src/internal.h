@@ -209,15 +209,25 @@ void sph_set_lengths(sph_t *sph);
 int sph_copy_lengths(sph_t *sph);
 /* 1/Omega from the sums of variable_density and walls, for S.4. */
 void sph_set_omegas(sph_t *sph);
-/* Collective. h, Omega and density together, for S.6. */
-int sph_solve_lengths(sph_t *sph);
+void sph_set_omega(sph_t *sph, int i, double omega);
+/* Volume of a particle with the length h, over h^d. */
+double sph_unit_volume(const sph_t *sph);
+/* ERR_RANGE: a length above largestSmoothing. */
+int sph_check_lengths(const sph_t *sph);
+/* Collective. Have the lengths outgrown the lists of some rank? */
+int sph_outgrown(const sph_t *sph, int *is);
 /* Collective. Half supports for lists that hold until lengths have grown by a margin, and their range. */
 int sph_list_supports(sph_t *sph, double range[2]);
+/* Collective. Shortest length. */
+int sph_least_length(const sph_t *sph, double *h);
+
+/* ---- solve_lengths.c (S.26)
+ * ------------------------------------------------------------------------------------ */
+/* Collective. h, Omega and density together, for S.6. */
+int sph_solve_lengths(sph_t *sph);
 /* Collective. Lists anew where a length has outgrown them; ghosts are up to date afterwards. ERR_RANGE: a length
  * above largestSmoothing. */
 int sph_hold_lengths(sph_t *sph);
-/* Collective. Shortest length. */
-int sph_least_length(const sph_t *sph, double *h);
 
 /* ---- lists.c
  * ------------------------------------------------------------------------------------- */

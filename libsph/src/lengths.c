@@ -5,24 +5,17 @@
 
 /* Lists hold until a length has grown by this. */
 static const double margin = 1.02;
-/* Of the sums' solution: error of h, and passes over all pairs. From the density of the step before it takes 2 or 3. */
-static const double tolerance = 1e-11;
-enum { PASSES = 40, OMEGA = 7 /* of FORCE */ };
+enum { OMEGA = 7 /* of FORCE */ };
 
-/* Volume of a particle with the length h = 1 m, over h^d. */
-static double unit_volume(const sph_t *sph) {
+double sph_unit_volume(const sph_t *sph) {
   const sph_params *p = &sph->params;
   const double per = p->spacing / p->smoothing_length;
   return p->dimensions == 2 ? per * per * p->depth : per * per * per;
 }
 
-static double power(const sph_t *sph, double h) {
-  return sph->params.dimensions == 2 ? h * h : h * h * h;
-}
-
 static double length_of(const sph_t *sph, int i) {
   const double *m = sph_mass(sph) + SPH_MASS * (size_t)i;
-  const double part = m[0] / (m[1] * unit_volume(sph));
+  const double part = m[0] / (m[1] * sph_unit_volume(sph));
   return sph->params.dimensions == 2 ? sqrt(part) : cbrt(part);
 }
 
@@ -40,7 +33,7 @@ int sph_copy_lengths(sph_t *sph) {
                                     sph->lens + 2 * (size_t)sph->store->local);
 }
 
-static void set_omega(sph_t *sph, int i, double omega) {
+void sph_set_omega(sph_t *sph, int i, double omega) {
   const double inverse = 1.0 / omega;
   sph->lens[2 * (size_t)i + 1] = inverse;
   sph_force(sph)[SPH_FORCE * (size_t)i + OMEGA] = inverse;
@@ -53,7 +46,7 @@ void sph_set_omegas(sph_t *sph) {
     const double *s = sph->sum + SPH_SUMS * (size_t)i;
     const double volume = sph_xv(sph)[SPH_XV * (size_t)i + 3];
     const double all = s[7] + volume * own * sph_norm_at(sph, sph_length(sph, i));
-    set_omega(sph, i, 1.0 - all + s[6] / d);
+    sph_set_omega(sph, i, 1.0 - all + s[6] / d);
   }
 }
 
@@ -67,7 +60,7 @@ static int too_long(const sph_t *sph, int i) {
                    sph->params.largest_smoothing);
 }
 
-static int check_lengths(const sph_t *sph) {
+int sph_check_lengths(const sph_t *sph) {
   const double most = sph->params.largest_smoothing * sph->params.smoothing_length;
   for (int i = 0; i < sph->store->local; i++)
     if (!(length_of(sph, i) <= most))
@@ -80,7 +73,7 @@ static int check_lengths(const sph_t *sph) {
 int sph_list_supports(sph_t *sph, double range[2]) {
   const double support = sph_kernel_support(sph->params.kernel);
   double both[2] = {-HUGE_VAL, 0.0}; /* -least, most */
-  PART_TRY(part_agree(sph->comm, check_lengths(sph)));
+  PART_TRY(part_agree(sph->comm, sph_check_lengths(sph)));
   for (int i = 0; i < sph->store->local; i++) {
     const double s = fmin(margin * support * length_of(sph, i), sph->reach);
     sph_mass(sph)[SPH_MASS * (size_t)i + 3] = s;
@@ -97,8 +90,7 @@ int sph_list_supports(sph_t *sph, double range[2]) {
   return PART_OK;
 }
 
-/* Collective. Have the lengths outgrown the lists of some rank? */
-static int outgrown(const sph_t *sph, int *is) {
+int sph_outgrown(const sph_t *sph, int *is) {
   const double support = sph_kernel_support(sph->params.kernel);
   *is = 0;
   for (int i = 0; i < sph->store->local && !*is; i++) {
@@ -110,12 +102,6 @@ static int outgrown(const sph_t *sph, int *is) {
              : part_fail(PART_ERR_MPI, "a maximum over ranks failed");
 }
 
-int sph_hold_lengths(sph_t *sph) {
-  int is;
-  PART_TRY(outgrown(sph, &is));
-  return is ? sph_rebuild(sph, 0) : sph_refresh_ghosts(sph);
-}
-
 int sph_least_length(const sph_t *sph, double *h) {
   double most = 0.0;
   for (int i = 0; i < sph->store->local; i++)
@@ -124,45 +110,4 @@ int sph_least_length(const sph_t *sph, double *h) {
     return part_fail(PART_ERR_MPI, "a maximum over ranks failed");
   *h = 1.0 / most;
   return PART_OK;
-}
-
-/* One pass of Newton's method for n(h) v h^d = 1, n = sum_b W_ab(h): d n/dh = -(d n + sum r dW/dr)/h. The density is that
- * of the new h. Returns the largest change over h. */
-static double newton_pass(sph_t *sph) {
-  const sph_lanes lanes = sph_lanes_of(sph);
-  const double own = sph_shape(sph->params.kernel, 0.0), unit = unit_volume(sph);
-  const double d = (double)sph->params.dimensions;
-  double most = 0.0;
-  sph->loops->number[sph->params.kernel](&lanes, 0, sph->lists.rows, sph->sum);
-  for (int i = 0; i < sph->store->local; i++) {
-    const double h = sph_length(sph, i), moment = sph->sum[SPH_SUMS * (size_t)i + 6];
-    const double n = sph->sum[SPH_SUMS * (size_t)i + 5] + own * sph_norm_at(sph, h);
-    double change = -(n - 1.0 / (unit * power(sph, h))) / moment;
-    most = fmax(most, moment > 0.0 ? fabs(change) : HUGE_VAL);
-    change = moment > 0.0 ? fmin(fmax(change, -0.2), 0.2) : 0.2; /* without neighbours: look farther */
-    sph_mass(sph)[SPH_MASS * (size_t)i + 1] =
-        sph_mass(sph)[SPH_MASS * (size_t)i] / (unit * power(sph, h * (1.0 + change)));
-    set_omega(sph, i, fmax(moment / (d * n), 1e-3));
-  }
-  sph_set_lengths(sph);
-  return most;
-}
-
-int sph_solve_lengths(sph_t *sph) {
-  for (int pass = 0; pass < PASSES; pass++) {
-    int is;
-    part_timers_start(sph->timers, sph->stage[SPH_STAGE_DENSITY]);
-    double most = newton_pass(sph);
-    part_timers_stop(sph->timers, sph->stage[SPH_STAGE_DENSITY]);
-    PART_TRY(part_agree(sph->comm, check_lengths(sph)));
-    PART_TRY(outgrown(sph, &is));
-    if (is)
-      PART_TRY(sph_rebuild(sph, 0));
-    if (MPI_Allreduce(MPI_IN_PLACE, &most, 1, MPI_DOUBLE, MPI_MAX, sph->comm) != MPI_SUCCESS)
-      return part_fail(PART_ERR_MPI, "a maximum over ranks failed");
-    if (most < tolerance && !is)
-      return PART_OK;
-  }
-  return part_fail(PART_ERR_NUMERIC, "time %g s: smoothing lengths and densities are not found in %d passes",
-                   sph->time, (int)PASSES);
 }
