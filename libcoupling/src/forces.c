@@ -9,8 +9,8 @@
  * have the same steady state where a sphere lies in cells of different eps. grad p without its
  * hydrostatic part: that is -rho_f V g.
  *
- * selfDisturbance: u is the sampled velocity without what the particle's own drag has given to it
- * (wake.c).
+ * selfDisturbance: u is the sampled velocity without what the particle's own drag has given to it,
+ * and the drag law has the sampled eps without the particle's own volume (wake.c).
  *
  * One-way coupling (Markauskas et al., section 6) is the same here: the flow has eps = 1 and no
  * source, but the particle's drag takes the void fraction that cpl_void_fraction found. The caller
@@ -227,14 +227,16 @@ force_loop(cpl_t *cpl, cpl_particles *p, cpl_drag_law law, cpl_drag_range range,
       slip2 += (u[d] - v[d]) * (u[d] - v[d]);
     }
     const double slip = sqrt(slip2), d_i = 2.0 * drag_radius(cpl, p, i);
-    const double re = eps * slip * d_i * rho / mu;
-    cpl->outside += re < range.re_low || re > range.re_high || eps < range.eps_low ||
-                    eps > range.eps_high + 1e-12; /* rounding of eps = 1 */
-    double beta = law(slip, d_i, eps, rho, mu, sizes ? cpl->mean_d.data[i] : d_i);
+    const double around =
+        cpl->wake ? cpl_wake_eps(volume, cpl->spread.data[2 * (size_t)i + 1], eps) : eps;
+    const double re = around * slip * d_i * rho / mu;
+    cpl->outside += re < range.re_low || re > range.re_high || around < range.eps_low ||
+                    around > range.eps_high + 1e-12; /* rounding of eps = 1 */
+    double beta = law(slip, d_i, around, rho, mu, sizes ? cpl->mean_d.data[i] : d_i);
     if (p->drag_radius) /* the share by volume in the drag of the larger sphere */
       beta *= volume / cpl_sphere_volume(0.5 * d_i);
     if (model_b)
-      beta *= cpl->inverse_eps.data[i];
+      beta *= cpl->inverse_eps.data[i] * (eps / around);
     if (!isfinite(beta))
       return numeric(cpl, i, "the drag coefficient", beta);
     double *su = p->fluid_su + (size_t)i * (size_t)p->fluid_su_stride;

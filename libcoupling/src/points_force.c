@@ -138,9 +138,16 @@ static double wet_share(const cpl_points_t *p, const double *x, double sum) {
   return fmin(sum / (WET * gamma), 1.0);
 }
 
+/* eps of the drag law. */
+static double eps_around(const cpl_points_t *p, const cpl_particles *particles, int i) {
+  return p->params.self_disturbance
+             ? points_wake_eps(p, i, *points_at(particles->radius, particles->radius_stride, i))
+             : p->sampled_eps.data[i];
+}
+
 /* beta of particle i, with the share by volume in the drag of the body it belongs to. */
 static double drag_of(cpl_points_t *p, const cpl_particles *particles, int i, double slip, double mean) {
-  const double eps = p->sampled_eps.data[i], rho = p->fluid.density, mu = p->fluid.viscosity;
+  const double eps = eps_around(p, particles, i), rho = p->fluid.density, mu = p->fluid.viscosity;
   const double r = *points_at(particles->radius, particles->radius_stride, i);
   const double big = particles->drag_radius
                          ? *points_at(particles->drag_radius, particles->drag_radius_stride, i)
@@ -178,7 +185,8 @@ static int particle_force(cpl_points_t *p, cpl_particles *particles, int i, cons
   for (int c = 0; c < 3; c++) {
     slip += (u[c] - v[c]) * (u[c] - v[c]);
   }
-  const double beta = drag_of(p, particles, i, sqrt(slip), mean) / (gradient || pairs ? 1.0 : eps);
+  const double beta = drag_of(p, particles, i, sqrt(slip), mean) /
+                      (gradient || pairs ? 1.0 : eps_around(p, particles, i));
   *sp = wet * beta;
   for (int c = 0; c < 3; c++) {
     const double resting = -p->fluid.density * p->params.still[c];

@@ -96,7 +96,8 @@ int points_pairwise_force(cpl_points_t *p, const cpl_particles *particles, const
 void points_pairwise_react(const cpl_points_t *p, cpl_fluid_points *fluid);
 /* points_wake.c */
 int points_wake_make(cpl_points_t *p);
-/* u[3], the velocity at particle i, without its own disturbance; after its eps. */
+/* u[3], the velocity at particle i, without its own disturbance, and eps without its own volume; after its eps. */
+double points_wake_eps(const cpl_points_t *p, int i, double radius);
 void points_wake_subtract(const cpl_points_t *p, const cpl_particles *particles, int i, double *u);
 void points_wake_remember(const cpl_points_t *p, const cpl_particles *particles, double dt);
 /* points_pairs.c */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* selfDisturbance of the exchange with fluid points (C.17, P.11): drag on the velocity without what the
- * sphere's own drag has given to the fluid. The kernel is K of P.1, which is sampled as it is spread. */
+ * sphere's own drag has given to the fluid, at the porosity without its own volume. The kernel is K of P.1,
+ * which is sampled as it is spread. */
 #include <math.h>
 #include "points_type.h"
 
@@ -37,6 +38,13 @@ static double spread_of(const cpl_points_t *p, double radius) {
 static double own_share(double volume, double s0, double eps) {
   const double self = volume / (pow(2.0 * PI, 1.5) * s0 * s0 * s0), all = 1.0 - eps;
   return self < all ? self / all : 1.0;
+}
+
+/* The sampled eps without the sphere's own volume. */
+double points_wake_eps(const cpl_points_t *p, int i, double radius) {
+  const double eps = p->sampled_eps.data[i], s0 = sqrt(2.0 * spread_of(p, radius));
+  return eps + own_share(p->volume.data[i], s0, eps) *
+                   fmin(p->volume.data[i] / (pow(2.0 * PI, 1.5) * s0 * s0 * s0), 1.0 - eps);
 }
 
 void points_wake_subtract(const cpl_points_t *p, const cpl_particles *particles, int i, double *u) {

@@ -5,7 +5,7 @@
  * what is not known of g, with g the kernel with itself where they are sampled. Alone, chi is 1 and
  * the drag is that on the undisturbed velocity. In a bed it goes to 1 over the number of particles
  * in the kernel: what many particles give to the fluid is not a disturbance of one, it is the mean
- * flow of the drag law. */
+ * flow of the drag law. So it is with its own volume in the porosity of that law. */
 #include "wake.h"
 #include "extra.h"
 #include <math.h>
@@ -43,6 +43,11 @@ int cpl_wake_spread(cpl_t *cpl) {
 double cpl_wake_share(double volume, double variance, double eps) {
   const double self = volume / pow(4.0 * PI * variance, 1.5);
   return self / fmax(self, 1.0 - eps - NOT_KNOWN * self);
+}
+
+double cpl_wake_eps(double volume, double variance, double eps) {
+  const double self = volume / pow(4.0 * PI * variance, 1.5);
+  return fmin(eps + cpl_wake_share(volume, variance, eps) * self, 1.0);
 }
 
 static int check_memory(const cpl_particles *p) {

@@ -12,6 +12,8 @@ int cpl_wake_spread(cpl_t *cpl);
 /* chi <= 1, the share of a particle in the solids around it: volume m3, variance of its density m2,
  * eps as it samples it. */
 double cpl_wake_share(double volume, double variance, double eps);
+/* The same without the particle's own volume. */
+double cpl_wake_eps(double volume, double variance, double eps);
 /* Local. disturbance[count][3] from the memories, at the sampled slip. */
 int cpl_wake_velocity(cpl_t *cpl, const cpl_particles *particles);
 /* Collective. The memories after a flow step dt: drag impulses as they stand in particle_work

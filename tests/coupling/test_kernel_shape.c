@@ -67,6 +67,11 @@ static void check_shape(const mesh_options *options, double width, double *least
     assert_near(found[4], cbrt(determinant(moment)), 1e-10 * b * b);
     const double eps = 1.0 - volume * itself;
     assert_near(cpl_wake_share(volume, found[4], eps), 1.0, 1e-9);
+    /* alone the sphere stands in clear fluid; in a bed its own volume is one of many */
+    const double self = volume / pow(4.0 * acos(-1.0) * found[4], 1.5);
+    assert_near(1.0 - cpl_wake_eps(volume, found[4], eps), fmax(volume * itself - self, 0.0), 1e-15);
+    const double large = 1e5 * self;
+    assert_near(cpl_wake_eps(1e5 * volume, found[4], 0.4) - 0.4, large * large / (0.6 - 0.5 * large), 1e-12);
     *least = fmin(*least, cpl_wake_share(volume, found[3], eps));
     checked++;
   }

@@ -269,7 +269,7 @@ static void test_surface(void **state) {
 }
 
 /* A sphere at rest in a fluid that creeps with u, whose steady drag so far was f: P.11 adds f sqrt(2/pi)/(6 pi mu s0) to the
- * velocity it feels, and after a step of dt each memory is the mean of f and the new drag over its time. */
+ * velocity it feels, its drag is that in clear fluid, not in one of the porosity 0.995 that its own volume makes, and after a step of dt each memory is the mean of f and the new drag over its time. */
 static void test_disturbance(void **state) {
   (void)state;
   const double radius = 0.03, f = -1e-7, dt = 1e-3, drag = 0.7;
@@ -300,6 +300,11 @@ static void test_disturbance(void **state) {
   assert_true(alone > 0.9);
   assert_near(cpl_points_sampled_velocity(s.points)[0], w, 3e-3 * fabs(w));
   assert_near(cpl_points_sampled_velocity(s.points)[1], 0.0, 1e-12 * fabs(w));
+  const double rho = s.fluid.density, mu = s.fluid.viscosity, sampled = cpl_points_sampled_eps(s.points)[0];
+  const double around = alone < 1.0 ? sampled + alone * alone * (1.0 - sampled) : 1.0;
+  const double clear = cpl_drag_function(s.params.drag)(fabs(w), 2.0 * radius, around, rho, mu, 2.0 * radius) / around;
+  assert_true(1.0 - around < 0.1 * (1.0 - sampled));
+  assert_near(*s.view.fluid_sp, clear, 2e-3 * clear);
   for (int c = 0; c < 3; c++)
     s.sphere[SJ + c] = -s.fluid.density * volume * s.fluid.gravity[c] * dt + (c == 1 ? drag * dt : 0.0);
   assert_int_equal(cpl_points_reaction(s.points, &s.view, &s.fluid_view, dt), PART_OK);
