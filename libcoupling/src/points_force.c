@@ -146,8 +146,8 @@ static double eps_around(const cpl_points_t *p, const cpl_particles *particles, 
 }
 
 /* beta of particle i, with the share by volume in the drag of the body it belongs to. */
-static double drag_of(cpl_points_t *p, const cpl_particles *particles, int i, double slip, double mean) {
-  const double eps = eps_around(p, particles, i), rho = p->fluid.density, mu = p->fluid.viscosity;
+static double drag_of(cpl_points_t *p, const cpl_particles *particles, int i, double eps, double slip, double mean) {
+  const double rho = p->fluid.density, mu = p->fluid.viscosity;
   const double r = *points_at(particles->radius, particles->radius_stride, i);
   const double big = particles->drag_radius
                          ? *points_at(particles->drag_radius, particles->drag_radius_stride, i)
@@ -185,8 +185,8 @@ static int particle_force(cpl_points_t *p, cpl_particles *particles, int i, cons
   for (int c = 0; c < 3; c++) {
     slip += (u[c] - v[c]) * (u[c] - v[c]);
   }
-  const double beta = drag_of(p, particles, i, sqrt(slip), mean) /
-                      (gradient || pairs ? 1.0 : eps_around(p, particles, i));
+  const double around = eps_around(p, particles, i);
+  const double beta = drag_of(p, particles, i, around, sqrt(slip), mean) / (gradient || pairs ? 1.0 : around);
   *sp = wet * beta;
   for (int c = 0; c < 3; c++) {
     const double resting = -p->fluid.density * p->params.still[c];

@@ -78,16 +78,7 @@ static int check_shape(dem_wall_params *p) {
 }
 
 part_motion dem_wall_motion(const dem_wall_params *p) {
-  part_motion m = {.rotation_rate = p->rotation_rate,
-                   .oscillation_amplitude = p->oscillation_amplitude,
-                   .oscillation_frequency = p->oscillation_frequency,
-                   .start_time = p->start_time,
-                   .stop_time = p->stop_time};
-  memcpy(m.velocity, p->velocity, sizeof m.velocity);
-  memcpy(m.centre, p->centre, sizeof m.centre);
-  memcpy(m.rotation_axis, p->rotation_axis, sizeof m.rotation_axis);
-  memcpy(m.oscillation_direction, p->oscillation_direction, sizeof m.oscillation_direction);
-  return m;
+  return PART_MOTION_OF(p);
 }
 
 static int check_motion(dem_wall_params *p) {

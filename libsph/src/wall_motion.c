@@ -11,16 +11,7 @@ static double length_of(const double a[3]) {
 }
 
 static part_motion motion_of(const sph_wall_params *p) {
-  part_motion m = {.rotation_rate = p->rotation_rate,
-                   .oscillation_amplitude = p->oscillation_amplitude,
-                   .oscillation_frequency = p->oscillation_frequency,
-                   .start_time = p->start_time,
-                   .stop_time = p->stop_time};
-  memcpy(m.velocity, p->velocity, sizeof m.velocity);
-  memcpy(m.centre, p->centre, sizeof m.centre);
-  memcpy(m.rotation_axis, p->rotation_axis, sizeof m.rotation_axis);
-  memcpy(m.oscillation_direction, p->oscillation_direction, sizeof m.oscillation_direction);
-  return m;
+  return PART_MOTION_OF(p);
 }
 
 /* ---- what is allowed ---------------------------------------------------------------------------

@@ -18,6 +18,19 @@ typedef struct part_motion {
   double oscillation_direction[3], start_time, stop_time; /* 1, s */
 } part_motion;
 
+/* In C, the motion among the entries of a wall, which have the names of its members in each library. */
+#define PART_MOTION_THREE(v) {(v)[0], (v)[1], (v)[2]}
+#define PART_MOTION_OF(p)                                                                          \
+  ((part_motion){.velocity = PART_MOTION_THREE((p)->velocity),                                     \
+                 .centre = PART_MOTION_THREE((p)->centre),                                         \
+                 .rotation_axis = PART_MOTION_THREE((p)->rotation_axis),                           \
+                 .rotation_rate = (p)->rotation_rate,                                              \
+                 .oscillation_amplitude = (p)->oscillation_amplitude,                              \
+                 .oscillation_frequency = (p)->oscillation_frequency,                              \
+                 .oscillation_direction = PART_MOTION_THREE((p)->oscillation_direction),           \
+                 .start_time = (p)->start_time,                                                    \
+                 .stop_time = (p)->stop_time})
+
 /* Where a wall is: what was given at X is at centre + way + turn (X - centre). */
 typedef struct part_pose {
   double angle, turn[3][3];    /* rad, 1 */
